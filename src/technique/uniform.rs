@@ -1,0 +1,103 @@
+//! The uniform density on a finite interval.
+
+use super::{InverseCdf, Technique, canonical};
+use crate::error::{ArgumentError, finite, greater};
+
+/// The uniform density on \[a, b\], with respect to length.
+///
+/// p(x) = 1 / (b - a), P(x) = (x - a) / (b - a), P⁻¹(u) = a + u (b - a).
+///
+/// ```
+/// use mis::technique::{InverseCdf, Technique, Uniform};
+/// # fn main() -> Result<(), mis::ArgumentError> {
+/// let p = Uniform::new(1.0, 3.0)?;
+/// assert_eq!(p.sample(&[0.25]), 1.5);
+/// assert_eq!(p.pdf(&1.5), 0.5);
+/// assert_eq!(p.cdf(1.5), 0.25);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uniform {
+    a: f64,
+    b: f64,
+}
+
+impl Uniform {
+    /// The uniform density on \[a, b\].
+    ///
+    /// # Errors
+    ///
+    /// `a` and `b` must be finite, b > a, and b - a must neither overflow nor be subnormal.
+    pub fn new(a: f64, b: f64) -> Result<Self, ArgumentError> {
+        finite("Uniform", "a", a)?;
+        finite("Uniform", "b", b)?;
+        greater("Uniform", "b", b, "a", a)?;
+        if !(b - a).is_normal() {
+            let rule = "it must be within the range of normal numbers";
+            return Err(ArgumentError::new("Uniform", "b - a", b - a, rule));
+        }
+        Ok(Self { a, b })
+    }
+
+    /// The uniform density on \[0, 1\].
+    #[must_use]
+    pub fn unit() -> Self {
+        Self { a: 0.0, b: 1.0 }
+    }
+}
+
+impl Technique for Uniform {
+    type Point = f64;
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn sample(&self, xi: &[f64]) -> f64 {
+        self.inverse_cdf(canonical(xi, 0))
+    }
+
+    fn pdf(&self, x: &f64) -> f64 {
+        if self.a <= *x && *x <= self.b {
+            (self.b - self.a).recip()
+        } else {
+            0.0
+        }
+    }
+}
+
+impl InverseCdf for Uniform {
+    fn cdf(&self, x: f64) -> f64 {
+        ((x - self.a) / (self.b - self.a)).clamp(0.0, 1.0)
+    }
+
+    fn inverse_cdf(&self, u: f64) -> f64 {
+        if !(0.0..=1.0).contains(&u) {
+            return f64::NAN;
+        }
+        // From the nearer end, so that neither end is overshot by rounding.
+        let width = self.b - self.a;
+        if u < 0.5 {
+            self.a + u * width
+        } else {
+            self.b - (1.0 - u) * width
+        }
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        ((self.b - x) / (self.b - self.a)).clamp(0.0, 1.0)
+    }
+
+    fn inverse_survival(&self, v: f64) -> f64 {
+        if !(0.0..=1.0).contains(&v) {
+            return f64::NAN;
+        }
+        let width = self.b - self.a;
+        if v < 0.5 {
+            self.b - v * width
+        } else {
+            self.a + (1.0 - v) * width
+        }
+    }
+}
