@@ -1,0 +1,71 @@
+//! Confidence intervals.
+
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+/// A confidence interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Interval {
+    /// The lower end.
+    pub lower: f64,
+    /// The upper end.
+    pub upper: f64,
+}
+
+impl Interval {
+    /// Whether `x` lies in the interval, ends included.
+    #[must_use]
+    pub fn contains(&self, x: f64) -> bool {
+        self.lower <= x && x <= self.upper
+    }
+
+    /// `value` ± t · error; the whole line without an error. `error` comes with its degrees of
+    /// freedom.
+    pub(super) fn student(value: f64, error: Option<(f64, f64)>, level: f64) -> Self {
+        let half_width = match error {
+            Some((error, freedom)) => error * quantile(freedom, level),
+            None => f64::INFINITY,
+        };
+        Self { lower: value - half_width, upper: value + half_width }
+    }
+}
+
+/// The t with P(|T| ≤ t) = `level`.
+fn quantile(freedom: f64, level: f64) -> f64 {
+    let u = 0.5 + 0.5 * level;
+    // Beyond 1e7 degrees of freedom the two differ by less than 1e-6 relative.
+    if freedom < 1e7 {
+        StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(u))
+    } else {
+        Normal::standard().inverse_cdf(u)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Interval, quantile};
+
+    /// Printed tables of Student's t.
+    #[test]
+    fn quantiles_agree_with_tables() {
+        for (freedom, level, t) in [
+            (1.0, 0.5, 1.0),
+            (1.0, 0.95, 12.706_204_736_432_1),
+            (2.0, 0.95, 4.302_652_729_911_28),
+            (5.0, 0.95, 2.570_581_835_636_31),
+            (30.0, 0.99, 2.749_995_653_567_23),
+            (1e6, 0.95, 1.959_966_3),
+            (1e9, 0.95, 1.959_963_984_540_05),
+            (f64::INFINITY, 0.682_689_492_137_086, 1.0),
+        ] {
+            let q = quantile(freedom, level);
+            assert!((q / t - 1.0).abs() < 1e-7, "{freedom} {level}: {q} {t}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_error_leaves_the_whole_line() {
+        let interval = Interval::student(1.0, None, 0.95);
+        assert!(interval.contains(-1e300) && interval.contains(1e300));
+    }
+}
