@@ -1,5 +1,6 @@
 //! Numerical Monte Carlo integration by multiple importance sampling.
 
+mod discrete;
 pub mod error;
 pub mod technique;
 
