@@ -4,8 +4,15 @@
 //! density p that the map produces. In other fields it is called a strategy, channel, proposal or
 //! importance distribution.
 
+mod affine;
+mod invert;
+mod piecewise;
+mod product;
 mod uniform;
 
+pub use affine::Affine;
+pub use piecewise::PiecewiseConstant;
+pub use product::{Product, ProductVec, UniformBox};
 pub use uniform::Uniform;
 
 /// A sampleable pdf: a map from canonical numbers to points, and the density that the map
