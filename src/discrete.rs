@@ -30,12 +30,7 @@ impl Discrete {
         for (k, &p) in probabilities.iter().enumerate() {
             if !(p.is_finite() && p >= 0.0) {
                 let rule = "it must be finite and not negative";
-                return Err(ArgumentError::new(
-                    owner,
-                    format!("{argument}[{k}]"),
-                    p,
-                    rule,
-                ));
+                return Err(ArgumentError::new(owner, format!("{argument}[{k}]"), p, rule));
             }
         }
         let mut sum = 0.0;
@@ -51,24 +46,16 @@ impl Discrete {
         let last = probabilities.iter().rposition(positive);
         let tolerance = 4.0 * probabilities.len() as f64 * f64::EPSILON;
         match (first, last) {
-            (Some(first), Some(last)) if (sum - 1.0).abs() <= tolerance => Ok(Self {
-                probabilities: probabilities.to_vec(),
-                cumulative,
-                first,
-                last,
-            }),
+            (Some(first), Some(last)) if (sum - 1.0).abs() <= tolerance => {
+                Ok(Self { probabilities: probabilities.to_vec(), cumulative, first, last })
+            }
             _ if probabilities.is_empty() => {
                 let rule = "there must be at least one";
                 Err(ArgumentError::new(owner, argument, probabilities, rule))
             }
             _ => {
                 let rule = format!("it must be 1 to within {tolerance:e}");
-                Err(ArgumentError::new(
-                    owner,
-                    format!("sum of {argument}"),
-                    sum,
-                    rule,
-                ))
+                Err(ArgumentError::new(owner, format!("sum of {argument}"), sum, rule))
             }
         }
     }
@@ -119,17 +106,7 @@ mod tests {
     fn zero_probabilities_are_never_selected() {
         let p = [0.0, 0.0, 0.5, 0.0, 0.5, 0.0, 0.0];
         let d = discrete(&p);
-        for u in [
-            -1.0,
-            0.0,
-            5e-324,
-            0.5_f64.next_down(),
-            0.5,
-            LARGEST,
-            1.0,
-            2.0,
-            f64::NAN,
-        ] {
+        for u in [-1.0, 0.0, 5e-324, 0.5_f64.next_down(), 0.5, LARGEST, 1.0, 2.0, f64::NAN] {
             assert!(p[d.select(u)] > 0.0, "u = {u:e}");
         }
         assert_eq!(d.select(0.0), 2);
@@ -162,10 +139,7 @@ mod tests {
     #[test]
     fn errors_name_argument_value_and_rule() {
         let message = |p: &[f64]| Discrete::new("Test", "p", p).unwrap_err().to_string();
-        assert_eq!(
-            message(&[]),
-            "Test: `p` is [], but there must be at least one"
-        );
+        assert_eq!(message(&[]), "Test: `p` is [], but there must be at least one");
         assert_eq!(
             message(&[0.5, -0.5, 1.0]),
             "Test: `p[1]` is -0.5, but it must be finite and not negative"

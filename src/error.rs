@@ -155,12 +155,7 @@ pub(crate) fn finite(
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(ArgumentError::new(
-            owner,
-            argument,
-            value,
-            "it must be finite",
-        ))
+        Err(ArgumentError::new(owner, argument, value, "it must be finite"))
     }
 }
 
@@ -173,12 +168,7 @@ pub(crate) fn positive(
     if value.is_finite() && value > 0.0 {
         Ok(value)
     } else {
-        Err(ArgumentError::new(
-            owner,
-            argument,
-            value,
-            "it must be finite and greater than 0",
-        ))
+        Err(ArgumentError::new(owner, argument, value, "it must be finite and greater than 0"))
     }
 }
 

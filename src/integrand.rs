@@ -179,7 +179,11 @@ impl Value for LnValue {
     }
 
     fn times_exp(&self, _: usize, ln_factor: f64) -> f64 {
-        if self.ln_abs == f64::NEG_INFINITY { 0.0 } else { self.sign * (self.ln_abs + ln_factor).exp() }
+        if self.ln_abs == f64::NEG_INFINITY {
+            0.0
+        } else {
+            self.sign * (self.ln_abs + ln_factor).exp()
+        }
     }
 }
 

@@ -189,8 +189,7 @@ impl<V: Value> Estimate<V> {
                 let moments = self.of(technique, c);
                 let contribution = moments.largest / total;
                 if contribution.abs() > largest.map_or(0.0, |l| l.contribution.abs()) {
-                    largest =
-                        Some(Largest { technique, sample: moments.largest_at, contribution });
+                    largest = Some(Largest { technique, sample: moments.largest_at, contribution });
                 }
             }
             largest

@@ -71,7 +71,6 @@ impl<'a, P, V: Value> Sample<'a, P, V> {
 }
 
 /// What all samples of an estimate have in common.
-#[derive(Debug)]
 pub(super) struct Kernel<'a, P, W> {
     pub(super) techniques: &'a [Dyn<'a, P>],
     /// α_i: the share n_i / N of a technique in the samples, or the probability P_i of selecting it.

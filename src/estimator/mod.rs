@@ -17,10 +17,9 @@ use crate::points::{PointSource, Random};
 use crate::technique::Technique;
 
 /// Estimates integrals: [`MultiSample`] or [`OneSample`].
-pub trait Estimator {
-    /// What the techniques sample.
-    type Point: Debug;
-
+///
+/// `P` is the type of the points.
+pub trait Estimator<P: Debug> {
     /// Estimates ∫ f from the canonical numbers of `points`, showing every sample to `inspect`.
     ///
     /// Histograms and derived observables are sums of the samples' contributions; the sum of them
@@ -37,9 +36,9 @@ pub trait Estimator {
         inspect: I,
     ) -> Result<Estimate<F::Value>, EstimateError>
     where
-        F: Integrand<Self::Point> + ?Sized,
+        F: Integrand<P> + ?Sized,
         S: PointSource + ?Sized,
-        I: FnMut(&Sample<'_, Self::Point, F::Value>);
+        I: FnMut(&Sample<'_, P, F::Value>);
 
     /// Estimates ∫ f from the canonical numbers of `points`.
     ///
@@ -48,7 +47,7 @@ pub trait Estimator {
     /// As [`inspect`](Estimator::inspect).
     fn estimate_from<F, S>(&self, f: &F, points: &S) -> Result<Estimate<F::Value>, EstimateError>
     where
-        F: Integrand<Self::Point> + ?Sized,
+        F: Integrand<P> + ?Sized,
         S: PointSource + ?Sized,
     {
         self.inspect(f, points, |_| ())
@@ -61,7 +60,7 @@ pub trait Estimator {
     /// As [`inspect`](Estimator::inspect).
     fn estimate<F>(&self, f: &F, seed: u64) -> Result<Estimate<F::Value>, EstimateError>
     where
-        F: Integrand<Self::Point> + ?Sized,
+        F: Integrand<P> + ?Sized,
     {
         self.estimate_from(f, &Random::new(seed))
     }

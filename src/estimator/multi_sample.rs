@@ -19,10 +19,10 @@ use crate::weighting::{Balance, Weighting};
 /// part: its pdf is not evaluated.
 ///
 /// ```
-/// use mis::{Estimator, MultiSample, technique::{Linear, Uniform}, weighting::Power};
+/// use mis::{Estimator, MultiSample, technique::{PiecewiseConstant, Uniform}, weighting::Power};
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let flat = Uniform::new(0.0, 1.0)?;
-/// let ramp = Linear::new(0.0, 1.0, 0.0, 2.0)?;
+/// let ramp = PiecewiseConstant::tabulate(0.0, 1.0, 4, |x| x)?;
 /// let mis = MultiSample::new(&[(&flat, 512), (&ramp, 512)])?.weighting(Power::squared())?;
 /// let estimate = mis.estimate(&|x: &f64| x.exp(), 1)?;
 /// assert!(estimate.interval(0.999)?.contains(1f64.exp() - 1.0));
@@ -48,9 +48,7 @@ impl<'a, P> MultiSample<'a, P> {
     ///
     /// There must be at least one technique and one sample, at most 2⁵³ samples, and techniques
     /// whose points have a run-time length must agree on it.
-    pub fn new(
-        techniques: &[(&'a dyn Technique<Point = P>, u64)],
-    ) -> Result<Self, ArgumentError> {
+    pub fn new(techniques: &[(&'a dyn Technique<Point = P>, u64)]) -> Result<Self, ArgumentError> {
         let (techniques, samples): (Vec<Dyn<'a, P>>, Vec<u64>) = techniques.iter().copied().unzip();
         check_techniques("MultiSample", &techniques)?;
         // Counts are exact as f64 up to here.
@@ -86,9 +84,7 @@ impl<'a, P, W> MultiSample<'a, P, W> {
     }
 }
 
-impl<P: Debug, W: Weighting> Estimator for MultiSample<'_, P, W> {
-    type Point = P;
-
+impl<P: Debug, W: Weighting> Estimator<P> for MultiSample<'_, P, W> {
     fn inspect<F, S, I>(
         &self,
         f: &F,

@@ -49,10 +49,7 @@ impl<T: InverseCdf> Affine<T> {
             return Err(ArgumentError::new("Affine", "scale", scale, rule));
         }
         let inner_support = inner.support();
-        let (a, b) = (
-            shift + scale * inner_support.0,
-            shift + scale * inner_support.1,
-        );
+        let (a, b) = (shift + scale * inner_support.0, shift + scale * inner_support.1);
         let support = if scale > 0.0 { (a, b) } else { (b, a) };
         let kept = a.is_finite() == inner_support.0.is_finite()
             && b.is_finite() == inner_support.1.is_finite();
@@ -62,13 +59,7 @@ impl<T: InverseCdf> Affine<T> {
             );
             return Err(ArgumentError::new("Affine", "scale", scale, rule));
         }
-        Ok(Self {
-            inner,
-            shift,
-            scale,
-            inner_support,
-            support,
-        })
+        Ok(Self { inner, shift, scale, inner_support, support })
     }
 
     /// The technique whose samples are mapped.
@@ -108,11 +99,7 @@ impl<T: InverseCdf> Technique for Affine<T> {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if self.contains(*x) {
-            self.inner.pdf(&self.preimage(*x)) / self.scale.abs()
-        } else {
-            0.0
-        }
+        if self.contains(*x) { self.inner.pdf(&self.preimage(*x)) / self.scale.abs() } else { 0.0 }
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -127,11 +114,7 @@ impl<T: InverseCdf> Technique for Affine<T> {
 impl<T: InverseCdf> InverseCdf for Affine<T> {
     fn cdf(&self, x: f64) -> f64 {
         let y = self.preimage(x);
-        if self.scale > 0.0 {
-            self.inner.cdf(y)
-        } else {
-            self.inner.survival(y)
-        }
+        if self.scale > 0.0 { self.inner.cdf(y) } else { self.inner.survival(y) }
     }
 
     fn inverse_cdf(&self, u: f64) -> f64 {
@@ -144,11 +127,7 @@ impl<T: InverseCdf> InverseCdf for Affine<T> {
 
     fn survival(&self, x: f64) -> f64 {
         let y = self.preimage(x);
-        if self.scale > 0.0 {
-            self.inner.survival(y)
-        } else {
-            self.inner.cdf(y)
-        }
+        if self.scale > 0.0 { self.inner.survival(y) } else { self.inner.cdf(y) }
     }
 
     fn inverse_survival(&self, v: f64) -> f64 {
@@ -181,13 +160,7 @@ mod tests {
 
     #[test]
     fn every_sample_has_a_density_in_spite_of_rounding() {
-        for (shift, scale) in [
-            (0.1, 0.3),
-            (1.0, 1e-15),
-            (-7.3, -1.7),
-            (1e16, 3.0),
-            (0.0, 1e-300),
-        ] {
+        for (shift, scale) in [(0.1, 0.3), (1.0, 1e-15), (-7.3, -1.7), (1e16, 3.0), (0.0, 1e-300)] {
             let p = Affine::new(Uniform::new(0.1, 0.7).unwrap(), shift, scale).unwrap();
             for u in [0.0, 1e-17, 0.1, 0.5, 0.9, 1.0 - f64::EPSILON / 2.0, 1.0] {
                 let x = p.inverse_cdf(u);
@@ -207,18 +180,12 @@ mod tests {
 
     #[test]
     fn errors_name_argument_value_and_rule() {
-        let message = |shift, scale| {
-            Affine::new(Uniform::unit(), shift, scale)
-                .unwrap_err()
-                .to_string()
-        };
+        let message =
+            |shift, scale| Affine::new(Uniform::unit(), shift, scale).unwrap_err().to_string();
         assert!(message(f64::NAN, 1.0).contains("`shift` is NaN"));
         for scale in [0.0, f64::NAN, f64::INFINITY, 5e-324] {
             let rule = "it must be a normal number, so neither 0 nor infinite";
-            assert_eq!(
-                message(0.0, scale),
-                format!("Affine: `scale` is {scale:?}, but {rule}")
-            );
+            assert_eq!(message(0.0, scale), format!("Affine: `scale` is {scale:?}, but {rule}"));
         }
         // The support collapses, and overflows.
         assert!(message(1e20, 1.0).contains("its image is (1e20, 1e20)"));

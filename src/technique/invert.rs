@@ -76,11 +76,7 @@ pub(super) fn invert(
         let moved = key(next).abs_diff(k);
         x = if next.is_finite() && moved < nudge.unsigned_abs() {
             nudge = nudge.saturating_mul(4);
-            let towards = if above {
-                k.saturating_sub(nudge)
-            } else {
-                k.saturating_add(nudge)
-            };
+            let towards = if above { k.saturating_sub(nudge) } else { k.saturating_add(nudge) };
             float(towards.clamp(low, high))
         } else {
             next
@@ -103,11 +99,7 @@ pub(super) fn invert(
             best = x;
         }
     }
-    if best.is_nan() {
-        first[0].clamp(a, b)
-    } else {
-        best
-    }
+    if best.is_nan() { first[0].clamp(a, b) } else { best }
 }
 
 /// A first guess: the uniform density's answer on a finite interval, else one unit inside.
@@ -126,20 +118,12 @@ fn start(side: Side, target: f64, a: f64, b: f64) -> f64 {
 /// Both zeros map to 0; NaN maps beyond the infinities, outside every bracket.
 fn key(x: f64) -> i64 {
     let bits = x.to_bits().cast_signed();
-    if bits < 0 {
-        i64::MIN.wrapping_sub(bits)
-    } else {
-        bits
-    }
+    if bits < 0 { i64::MIN.wrapping_sub(bits) } else { bits }
 }
 
 /// The inverse of [`key`].
 fn float(key: i64) -> f64 {
-    let bits = if key < 0 {
-        i64::MIN.wrapping_sub(key)
-    } else {
-        key
-    };
+    let bits = if key < 0 { i64::MIN.wrapping_sub(key) } else { key };
     f64::from_bits(bits.cast_unsigned())
 }
 
@@ -158,16 +142,7 @@ mod tests {
 
     #[test]
     fn keys_order_the_floats() {
-        let xs = [
-            f64::NEG_INFINITY,
-            f64::MIN,
-            -1.0,
-            -5e-324,
-            0.0,
-            5e-324,
-            1.0,
-            f64::INFINITY,
-        ];
+        let xs = [f64::NEG_INFINITY, f64::MIN, -1.0, -5e-324, 0.0, 5e-324, 1.0, f64::INFINITY];
         for w in xs.windows(2) {
             assert!(key(w[0]) < key(w[1]));
         }
@@ -200,10 +175,7 @@ mod tests {
         let whole = [0.0, f64::INFINITY];
         for v in [0.5, 0.1, 1e-10, 1e-100, 1e-300] {
             let (x, n) = evaluations(Side::Upper, v, whole, |x| (-x).exp(), |x| (-x).exp());
-            assert!(
-                (x + v.ln()).abs() <= 2.0 * f64::EPSILON * x.max(1.0),
-                "v = {v:e}: {x}"
-            );
+            assert!((x + v.ln()).abs() <= 2.0 * f64::EPSILON * x.max(1.0), "v = {v:e}: {x}");
             assert!(n <= 12, "v = {v:e}: {n} evaluations");
         }
     }
@@ -221,11 +193,7 @@ mod tests {
     fn functions_that_fail_end_the_search() {
         for value in [f64::NAN, 0.0, 1.0, f64::INFINITY, f64::NEG_INFINITY, 0.5] {
             for slope in [f64::NAN, 0.0, 1.0, -1.0, f64::INFINITY] {
-                for ends in [
-                    [0.0, 1.0],
-                    [f64::NEG_INFINITY, f64::INFINITY],
-                    [0.0, f64::INFINITY],
-                ] {
+                for ends in [[0.0, 1.0], [f64::NEG_INFINITY, f64::INFINITY], [0.0, f64::INFINITY]] {
                     for side in [Side::Lower, Side::Upper] {
                         let (x, n) = evaluations(side, 0.5, ends, |_| value, |_| slope);
                         assert!(n <= 256 && x >= ends[0] && x <= ends[1] && x.is_finite());

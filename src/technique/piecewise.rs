@@ -50,16 +50,9 @@ impl PiecewiseConstant {
     /// and not negative, not all 0, and the densities must be finite.
     pub fn new(edges: &[f64], weights: &[f64]) -> Result<Self, ArgumentError> {
         if edges.len() < 2 || edges.len() - 1 != weights.len() {
-            let rule = format!(
-                "it must be at least 2, and one more than weights = {}",
-                weights.len()
-            );
-            return Err(ArgumentError::new(
-                OWNER,
-                "number of edges",
-                edges.len(),
-                rule,
-            ));
+            let rule =
+                format!("it must be at least 2, and one more than weights = {}", weights.len());
+            return Err(ArgumentError::new(OWNER, "number of edges", edges.len(), rule));
         }
         for (k, &edge) in edges.iter().enumerate() {
             finite(OWNER, format!("edges[{k}]"), edge)?;
@@ -76,12 +69,7 @@ impl PiecewiseConstant {
         for (k, &weight) in weights.iter().enumerate() {
             if !(weight.is_finite() && weight >= 0.0) {
                 let rule = "it must be finite and not negative";
-                return Err(ArgumentError::new(
-                    OWNER,
-                    format!("weights[{k}]"),
-                    weight,
-                    rule,
-                ));
+                return Err(ArgumentError::new(OWNER, format!("weights[{k}]"), weight, rule));
             }
         }
         let largest = weights.iter().fold(0.0, |m: f64, &w| m.max(w));
@@ -102,23 +90,13 @@ impl PiecewiseConstant {
             let density = p / (pair[1] - pair[0]);
             if !density.is_finite() {
                 let name = format!("density of bin {}", first + k);
-                return Err(ArgumentError::new(
-                    OWNER,
-                    name,
-                    density,
-                    "it must be finite",
-                ));
+                return Err(ArgumentError::new(OWNER, name, density, "it must be finite"));
             }
         }
         let (below, _) = running_sums(probabilities.iter().copied());
         let (mut above, _) = running_sums(probabilities.iter().rev().copied());
         above.reverse();
-        Ok(Self {
-            edges,
-            probabilities,
-            below,
-            above,
-        })
+        Ok(Self { edges, probabilities, below, above })
     }
 
     /// A table of `f` on `bins` equal bins of \[a, b\], made to be a safe proposal for f.
@@ -148,19 +126,10 @@ impl PiecewiseConstant {
         greater(OWNER, "b", b, "a", a)?;
         finite(OWNER, "b - a", b - a)?;
         if bins == 0 {
-            return Err(ArgumentError::new(
-                OWNER,
-                "bins",
-                bins,
-                "it must be at least 1",
-            ));
+            return Err(ArgumentError::new(OWNER, "bins", bins, "it must be at least 1"));
         }
         let edge = |k: f64| {
-            if k == bins as f64 {
-                b
-            } else {
-                a + (b - a) * (k / bins as f64)
-            }
+            if k == bins as f64 { b } else { a + (b - a) * (k / bins as f64) }
         };
         let edges: Vec<f64> = (0..=bins).map(|k| edge(k as f64)).collect();
         let mut heights = Vec::with_capacity(bins);
@@ -178,11 +147,7 @@ impl PiecewiseConstant {
             // Relative to the largest, so that the squares neither over- nor underflow.
             let largest = values.into_iter().fold(0.0, f64::max);
             let squares: f64 = values.iter().map(|v| (v / largest).powi(2)).sum();
-            heights.push(if largest > 0.0 {
-                largest * (squares / 4.0).sqrt()
-            } else {
-                0.0
-            });
+            heights.push(if largest > 0.0 { largest * (squares / 4.0).sqrt() } else { 0.0 });
         }
         let largest = heights.iter().copied().fold(0.0, f64::max);
         if largest == 0.0 {
@@ -190,10 +155,7 @@ impl PiecewiseConstant {
             return Err(ArgumentError::new(OWNER, "f", 0.0, rule));
         }
         let average = heights.iter().map(|h| h / largest).sum::<f64>() / bins as f64;
-        let weights: Vec<f64> = heights
-            .iter()
-            .map(|h| h / largest + 0.01 * average)
-            .collect();
+        let weights: Vec<f64> = heights.iter().map(|h| h / largest + 0.01 * average).collect();
         Self::new(&edges, &weights)
     }
 
@@ -210,11 +172,7 @@ impl PiecewiseConstant {
     /// The point of bin k at the fraction `part` of its width, and never in the next bin.
     fn within(&self, k: usize, part: f64, from_above: bool) -> f64 {
         let (low, high) = (self.edges[k], self.edges[k + 1]);
-        let x = if from_above {
-            high - part * (high - low)
-        } else {
-            low + part * (high - low)
-        };
+        let x = if from_above { high - part * (high - low) } else { low + part * (high - low) };
         let last = k + 1 == self.probabilities.len();
         x.clamp(low, if last { high } else { high.next_down() })
     }
@@ -222,10 +180,7 @@ impl PiecewiseConstant {
     /// The x with the mass `u` below it, from the sums from the left.
     fn from_below(&self, u: f64) -> f64 {
         // The first sum that exceeds u ends the bin, which therefore has a positive probability.
-        let k = self
-            .below
-            .partition_point(|&sum| sum <= u)
-            .saturating_sub(1);
+        let k = self.below.partition_point(|&sum| sum <= u).saturating_sub(1);
         let k = k.min(self.probabilities.len() - 1);
         self.within(k, (u - self.below[k]) / self.probabilities[k], false)
     }
@@ -247,11 +202,7 @@ fn running_sums(values: impl Iterator<Item = f64>) -> (Vec<f64>, f64) {
     let mut sums = vec![0.0];
     for v in values {
         let next = sum + v;
-        lost += if sum >= v {
-            (sum - next) + v
-        } else {
-            (v - next) + sum
-        };
+        lost += if sum >= v { (sum - next) + v } else { (v - next) + sum };
         sum = next;
         sums.push(sum + lost);
     }
@@ -342,9 +293,7 @@ mod tests {
     const LARGEST: f64 = 1.0 - f64::EPSILON / 2.0;
 
     fn message(edges: &[f64], weights: &[f64]) -> String {
-        PiecewiseConstant::new(edges, weights)
-            .unwrap_err()
-            .to_string()
+        PiecewiseConstant::new(edges, weights).unwrap_err().to_string()
     }
 
     #[test]
@@ -417,11 +366,7 @@ mod tests {
         }
         // A spike between the points of one bin, beside a plateau.
         let f = |x: f64| {
-            if x < 0.5 {
-                1.0
-            } else {
-                f64::from((x - 0.75).abs() < 1e-4)
-            }
+            if x < 0.5 { 1.0 } else { f64::from((x - 0.75).abs() < 1e-4) }
         };
         let p = PiecewiseConstant::tabulate(0.0, 1.0, 4, f).unwrap();
         assert!(p.pdf(&0.75) > 0.0099 && f(0.75) / p.pdf(&0.75) <= 101.0);
@@ -451,9 +396,7 @@ mod tests {
         assert!(message(&[0.0, 1.0], &[f64::INFINITY]).contains("`weights[0]` is inf"));
         assert!(message(&[0.0, 1.0], &[0.0]).contains("they must not all be 0"));
         let table = |a, b, bins, f: fn(f64) -> f64| {
-            PiecewiseConstant::tabulate(a, b, bins, f)
-                .unwrap_err()
-                .to_string()
+            PiecewiseConstant::tabulate(a, b, bins, f).unwrap_err().to_string()
         };
         assert!(table(0.0, 1.0, 2, |x| 0.7 - x).contains("`f(0.8125), in bin 1,` is -0.1125"));
         assert!(table(0.0, 1.0, 2, |_| f64::NAN).contains("in bin 0,` is NaN"));

@@ -148,20 +148,12 @@ impl ProductVec<Uniform> {
         not_empty("ProductVec", lower.len())?;
         if upper.len() != lower.len() {
             let rule = format!("it must equal the length of lower = {}", lower.len());
-            return Err(ArgumentError::new(
-                "ProductVec",
-                "length of upper",
-                upper.len(),
-                rule,
-            ));
+            return Err(ArgumentError::new("ProductVec", "length of upper", upper.len(), rule));
         }
         let sides = lower.iter().zip(upper).enumerate();
-        let coordinates: Result<_, _> = sides
-            .map(|(d, (&a, &b))| side("ProductVec", d, a, b))
-            .collect();
-        Ok(Self {
-            coordinates: coordinates?,
-        })
+        let coordinates: Result<_, _> =
+            sides.map(|(d, (&a, &b))| side("ProductVec", d, a, b)).collect();
+        Ok(Self { coordinates: coordinates? })
     }
 }
 
@@ -179,19 +171,11 @@ impl<T: InverseCdf> Technique for ProductVec<T> {
     }
 
     fn pdf(&self, x: &Vec<f64>) -> f64 {
-        if x.len() == self.coordinates.len() {
-            density(&self.coordinates, x)
-        } else {
-            f64::NAN
-        }
+        if x.len() == self.coordinates.len() { density(&self.coordinates, x) } else { f64::NAN }
     }
 
     fn ln_pdf(&self, x: &Vec<f64>) -> f64 {
-        if x.len() == self.coordinates.len() {
-            ln_density(&self.coordinates, x)
-        } else {
-            f64::NAN
-        }
+        if x.len() == self.coordinates.len() { ln_density(&self.coordinates, x) } else { f64::NAN }
     }
 
     fn point_len(&self) -> Option<usize> {
@@ -207,12 +191,7 @@ impl<T: InverseCdf> Technique for ProductVec<T> {
 fn not_empty(owner: &'static str, len: usize) -> Result<(), ArgumentError> {
     if len == 0 {
         let rule = "it must be at least 1";
-        return Err(ArgumentError::new(
-            owner,
-            "number of coordinates",
-            len,
-            rule,
-        ));
+        return Err(ArgumentError::new(owner, "number of coordinates", len, rule));
     }
     Ok(())
 }
@@ -293,10 +272,8 @@ mod tests {
         assert_eq!(p.pdf(&x), 0.0);
         assert!((p.ln_pdf(&x) + 2302.585_092_994_045_7).abs() < 1e-10);
         // Underflow and overflow on the way to a density of 1.
-        let (small, large) = (
-            Uniform::new(0.0, 1e200).unwrap(),
-            Uniform::new(0.0, 1e-200).unwrap(),
-        );
+        let (small, large) =
+            (Uniform::new(0.0, 1e200).unwrap(), Uniform::new(0.0, 1e-200).unwrap());
         for sides in [[small, small, large, large], [large, large, small, small]] {
             let p = Product::new(sides).unwrap();
             let x = p.sample(&[0.5; 4]);

@@ -23,11 +23,7 @@ pub(crate) fn integral(f: &dyn Fn(f64) -> f64, a: f64, b: f64, scale: f64) -> f6
         } else {
             let distance = scale * (FRAC_PI_2 * t.sinh()).exp();
             let weight = distance * FRAC_PI_2 * t.cosh();
-            let x = if a.is_finite() {
-                a + distance
-            } else {
-                b - distance
-            };
+            let x = if a.is_finite() { a + distance } else { b - distance };
             term(f, x, weight)
         }
     };
@@ -35,9 +31,7 @@ pub(crate) fn integral(f: &dyn Fn(f64) -> f64, a: f64, b: f64, scale: f64) -> f6
     let mut previous = f64::NAN;
     loop {
         let last = 6.75 / step;
-        let sum: f64 = (-last as i32..=last as i32)
-            .map(|k| node(step * f64::from(k)))
-            .sum();
+        let sum: f64 = (-last as i32..=last as i32).map(|k| node(step * f64::from(k))).sum();
         let value = step * sum;
         if (value - previous).abs() <= 1e-14 * value.abs() || step < 0.003 {
             return value;
