@@ -9,6 +9,9 @@ pub(super) enum Side {
     Upper,
 }
 
+/// How many Newton steps may pass without halving the bracket.
+const NEWTON_STEPS: u32 = 6;
+
 /// The x in \[a, b\] where `tail(x)` passes `target`; `slope` is the density, |d tail / dx|.
 ///
 /// On return one of two holds: `tail(x)` equals `target` to `ε · target` and `slope(x)` > 0; or x is
@@ -18,9 +21,9 @@ pub(super) enum Side {
 ///
 /// The method is Newton's on ln tail, which is nearly linear in x for the usual tails, kept within a
 /// bracket. The bracket lives on the ordered bit patterns of the floats, so that halving it takes
-/// at most 64 steps from any two ends, infinite ones included; whenever three Newton steps have not
-/// halved it, it is halved. Hence at most 4 · 64 evaluations, whatever the functions return, NaN
-/// included.
+/// at most 64 steps from any two ends, infinite ones included. It is halved when a Newton step is not
+/// half as long as the one before, and after six that have not halved it. Hence at most 8 · 64
+/// evaluations, whatever the functions return, NaN included.
 pub(super) fn invert(
     side: Side,
     target: f64,
@@ -32,7 +35,8 @@ pub(super) fn invert(
     let (mut low, mut high) = (key(a), key(b));
     let mut x = start(side, target, a, b);
     let mut checkpoint = width(low, high);
-    let mut steps = 0;
+    let mut newton_steps = 0;
+    let mut last_step = f64::INFINITY;
     let mut nudge = 2_i64;
     while width(low, high) > 1 {
         let mut k = key(x);
@@ -56,29 +60,35 @@ pub(super) fn invert(
         } else {
             low = k;
         }
-        steps += 1;
-        if steps % 3 == 0 {
-            let now = width(low, high);
-            let halved = now <= checkpoint / 2;
-            checkpoint = now;
-            if !halved {
-                x = float(middle(low, high));
-                continue;
-            }
+        if width(low, high) <= checkpoint / 2 {
+            checkpoint = width(low, high);
+            newton_steps = 0;
         }
         let step = ratio.ln_1p() * (t / density);
         let next = match side {
             Side::Lower => x - step,
             Side::Upper => x + step,
         };
-        // NaN is no bracketed point, so the next turn bisects. A step of a few floats is made
-        // longer, so that it reaches the other side and the bracket closes.
-        let moved = key(next).abs_diff(k);
-        x = if next.is_finite() && moved < nudge.unsigned_abs() {
+        let converges = step.abs() <= 0.5 * last_step && newton_steps < NEWTON_STEPS;
+        if !(converges && next.is_finite()) {
+            last_step = f64::INFINITY;
+            newton_steps = 0;
+            x = float(middle(low, high));
+            continue;
+        }
+        newton_steps += 1;
+        // A step of a few floats is made longer, and longer each time, so that it reaches the other
+        // side of a noisy crossing and the bracket closes.
+        x = if key(next).abs_diff(k) < nudge.unsigned_abs() {
+            let towards = if above {
+                k.saturating_sub(nudge)
+            } else {
+                k.saturating_add(nudge)
+            };
             nudge = nudge.saturating_mul(4);
-            let towards = if above { k.saturating_sub(nudge) } else { k.saturating_add(nudge) };
             float(towards.clamp(low, high))
         } else {
+            last_step = step.abs();
             next
         };
     }
@@ -186,7 +196,7 @@ mod tests {
         let tail = |x: f64| if x < jump { 0.25 } else { 0.75 };
         let (x, n) = evaluations(Side::Lower, 0.5, [f64::NEG_INFINITY, 10.0], tail, |_| 0.0);
         assert_eq!(x, jump);
-        assert!(n <= 256);
+        assert!(n <= 512);
     }
 
     #[test]
@@ -196,7 +206,7 @@ mod tests {
                 for ends in [[0.0, 1.0], [f64::NEG_INFINITY, f64::INFINITY], [0.0, f64::INFINITY]] {
                     for side in [Side::Lower, Side::Upper] {
                         let (x, n) = evaluations(side, 0.5, ends, |_| value, |_| slope);
-                        assert!(n <= 256 && x >= ends[0] && x <= ends[1] && x.is_finite());
+                        assert!(n <= 512 && x >= ends[0] && x <= ends[1] && x.is_finite());
                     }
                 }
             }
