@@ -5,6 +5,7 @@ mod error;
 mod estimate;
 mod estimator;
 mod integrand;
+mod lanes;
 mod moments;
 pub mod points;
 pub mod technique;

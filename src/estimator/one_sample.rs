@@ -151,18 +151,22 @@ impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
         let (mut buffers, mut sums) = kernel.start();
         let dimension = 1 + self.techniques.iter().map(|t| t.dimension()).max().unwrap_or(0);
         let mut rows = Vec::new();
+        let mut choices = Vec::with_capacity(BLOCK);
         let mut selected = Vec::with_capacity(BLOCK);
         let mut samples = vec![0; self.techniques.len()];
         for first in (0..self.samples).step_by(BLOCK) {
             let n = usize::try_from(self.samples - first).map_or(BLOCK, |left| left.min(BLOCK));
             rows.resize(n * dimension, 0.0);
             points.fill(0, first, dimension, &mut rows)?;
+            let rows = rows.chunks_exact(dimension);
+            choices.clear();
+            choices.extend(rows.clone().map(|row| self.selection.select(row[0])));
             for (i, technique) in self.techniques.iter().enumerate() {
                 let xi = &mut buffers.xi;
                 xi.clear();
                 selected.clear();
-                for (row, index) in rows.chunks_exact(dimension).zip(first..) {
-                    if self.selection.select(row[0]) == i {
+                for ((row, choice), index) in rows.clone().zip(&choices).zip(first..) {
+                    if *choice == i {
                         xi.extend_from_slice(&row[1..=technique.dimension()]);
                         selected.push(index);
                     }
@@ -175,7 +179,7 @@ impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
                 kernel.block(i, index, f, &mut buffers, &mut sums, &mut inspect)?;
             }
         }
-        Ok(Estimate::new(Design::Pooled, samples, sums.moments(), sums.counts))
+        Ok(Estimate::new(Design::Pooled, samples, sums.contributions, sums.counts))
     }
 }
 

@@ -156,10 +156,7 @@ mod tests {
         assert_eq!(p.ln_pdf(&7.9), f64::NEG_INFINITY);
         // The tail at 0, which was the lower one, keeps its precision as the upper one.
         let p = Affine::new(Uniform::unit(), 0.0, -1.0).unwrap();
-        assert_eq!(
-            (p.inverse_survival(1e-30), p.survival(-1e-30)),
-            (-1e-30, 1e-30)
-        );
+        assert_eq!((p.inverse_survival(1e-30), p.survival(-1e-30)), (-1e-30, 1e-30));
     }
 
     #[test]

@@ -80,11 +80,7 @@ pub(super) fn invert(
         // A step of a few floats is made longer, and longer each time, so that it reaches the other
         // side of a noisy crossing and the bracket closes.
         x = if key(next).abs_diff(k) < nudge.unsigned_abs() {
-            let towards = if above {
-                k.saturating_sub(nudge)
-            } else {
-                k.saturating_add(nudge)
-            };
+            let towards = if above { k.saturating_sub(nudge) } else { k.saturating_add(nudge) };
             nudge = nudge.saturating_mul(4);
             float(towards.clamp(low, high))
         } else {

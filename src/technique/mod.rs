@@ -106,12 +106,19 @@ pub trait Technique: Sync {
     /// Points that `xs` holds already are written over, in place.
     fn sample_batch(&self, xi: &[f64], xs: &mut Vec<Self::Point>) {
         let dimension = self.dimension().max(1);
-        let mut rows = xi.chunks_exact(dimension);
-        xs.truncate(rows.len());
-        for (x, row) in xs.iter_mut().zip(&mut rows) {
-            self.sample_into(row, x);
+        xs.truncate(xi.len() / dimension);
+        let (old, new) = xi.split_at(xs.len() * dimension);
+        if dimension == 1 {
+            // The common case, without the bookkeeping of rows.
+            for (x, u) in xs.iter_mut().zip(old) {
+                self.sample_into(std::slice::from_ref(u), x);
+            }
+        } else {
+            for (x, row) in xs.iter_mut().zip(old.chunks_exact(dimension)) {
+                self.sample_into(row, x);
+            }
         }
-        xs.extend(rows.map(|row| self.sample(row)));
+        xs.extend(new.chunks_exact(dimension).map(|row| self.sample(row)));
     }
 
     /// [`pdf`](Technique::pdf) of every point of `xs`, into `out` of the same length.

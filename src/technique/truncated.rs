@@ -55,33 +55,15 @@ impl<T: InverseCdf> Truncated<T> {
         greater("Truncated", "b", b, "a", a)?;
         let (low, high) = inner.support();
         let (a, b) = (a.max(low), b.min(high));
-        let mass = if a < b {
-            mass_between(&inner, a, b)
-        } else {
-            0.0
-        };
+        let mass = if a < b { mass_between(&inner, a, b) } else { 0.0 };
         let (below, above) = (inner.cdf(a), inner.survival(b));
         let (not_above, not_below) = (inner.cdf(b), inner.survival(a));
         let larger = not_above.min(not_below).min(0.5);
         if !(mass.is_normal() && mass > 0.0 && mass >= larger * 2.0_f64.powi(-30)) {
             let rule = format!("it must be a normal number, and at least 2^-30 of {larger:e}");
-            return Err(ArgumentError::new(
-                "Truncated",
-                "mass in [a, b]",
-                mass,
-                rule,
-            ));
+            return Err(ArgumentError::new("Truncated", "mass in [a, b]", mass, rule));
         }
-        Ok(Self {
-            inner,
-            a,
-            b,
-            below,
-            above,
-            not_above,
-            not_below,
-            mass,
-        })
+        Ok(Self { inner, a, b, below, above, not_above, not_below, mass })
     }
 
     /// The technique that is restricted.
@@ -103,11 +85,7 @@ impl<T: InverseCdf> Truncated<T> {
     /// The x with the part `u` of the mass below it and `v` = 1 - u above it.
     fn split(&self, u: f64, v: f64) -> f64 {
         let from_nearer = |base: f64, part: f64, far: f64, rest: f64| {
-            if part <= rest {
-                base + part * self.mass
-            } else {
-                far - rest * self.mass
-            }
+            if part <= rest { base + part * self.mass } else { far - rest * self.mass }
         };
         // Each form is exact at both ends of the interval.
         let lower = from_nearer(self.below, u, self.not_above, v);
@@ -145,19 +123,11 @@ impl<T: InverseCdf> Technique for Truncated<T> {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if self.contains(*x) {
-            self.inner.pdf(x) / self.mass
-        } else {
-            0.0
-        }
+        if self.contains(*x) { self.inner.pdf(x) / self.mass } else { 0.0 }
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
-        if self.contains(*x) {
-            self.inner.ln_pdf(x) - self.mass.ln()
-        } else {
-            f64::NEG_INFINITY
-        }
+        if self.contains(*x) { self.inner.ln_pdf(x) - self.mass.ln() } else { f64::NEG_INFINITY }
     }
 }
 

@@ -69,7 +69,7 @@ pub trait Weighting: Sync {
     }
 
     /// w_i / q_i at every point of a block, into `out`; NaN where q leaves the range in which the
-    /// quotient is exact, for the estimator to turn to logarithms.
+    /// quotient has all its digits, for the estimator to turn to logarithms.
     ///
     /// `r` has room for the ratios at one point.
     fn weight_over_density_batch(
@@ -109,32 +109,33 @@ pub trait Weighting: Sync {
 }
 
 /// Where the largest density has a reciprocal that is a normal number with room to spare.
-const SAFE: std::ops::Range<f64> = 1e-290..1e290;
+pub(crate) const SAFE: std::ops::Range<f64> = 1e-290..1e290;
 
-/// The effective densities q_k of all techniques at the points of a block.
+/// The effective densities q_k = a_k p_k of all techniques at the points of a block.
 #[derive(Debug, Clone, Copy)]
 pub struct Densities<'a> {
-    q: &'a [f64],
+    factors: &'a [f64],
+    pdfs: &'a [f64],
     points: usize,
 }
 
 impl<'a> Densities<'a> {
-    /// `q` holds a row of `points` densities for each technique.
-    pub(crate) fn new(q: &'a [f64], points: usize) -> Self {
-        Self { q, points: points.max(1) }
+    /// `pdfs` holds a row of `points` densities for each technique.
+    pub(crate) fn new(factors: &'a [f64], pdfs: &'a [f64], points: usize) -> Self {
+        Self { factors, pdfs, points: points.max(1) }
     }
 
-    /// For each technique, its densities at all points of the block.
-    pub fn rows(&self) -> impl Iterator<Item = &'a [f64]> {
-        self.q.chunks_exact(self.points)
+    /// For each technique, its factor a_k and its pdf at all points of the block.
+    pub fn rows(&self) -> impl Iterator<Item = (f64, &'a [f64])> {
+        self.factors.iter().copied().zip(self.pdfs.chunks_exact(self.points))
     }
 
-    /// Puts the ratios q_k / max q at point `j` into `r`; returns max q.
+    /// Puts the ratios q_k / max q at point `j` into `r`; returns max q, NaN if any q is.
     fn ratios(&self, j: usize, r: &mut [f64]) -> f64 {
         let mut largest = 0.0_f64;
-        for (r, row) in r.iter_mut().zip(self.rows()) {
-            *r = row[j];
-            largest = largest.max(*r);
+        for (r, (a, p)) in r.iter_mut().zip(self.rows()) {
+            *r = a * p[j];
+            largest = if largest.is_nan() || *r <= largest { largest } else { *r };
         }
         for r in r {
             *r /= largest;
