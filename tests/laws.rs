@@ -6,7 +6,9 @@
 mod common;
 
 use common::laws::{LawOptions, check};
-use mis::technique::Uniform;
+use mis::technique::{Exponential, Linear, PowerLaw, Uniform};
+
+const INF: f64 = f64::INFINITY;
 
 /// One line a technique: a name, the technique, and the options that differ from the default.
 macro_rules! laws {
@@ -39,4 +41,57 @@ laws! {
     uniform_huge: Uniform::new(-8e307, 8e307);
     uniform_far: Uniform::new(1e9, 1e9 + 1.0);
     uniform_one_ulp: Uniform::new(1.0, 1.0 + f64::EPSILON), resolved: false;
+}
+
+laws! {
+    linear: Linear::new(-1.0, 3.0, 1.0, 2.0);
+    linear_up: Linear::new(0.0, 1.0, 0.0, 1.0);
+    linear_down: Linear::new(2.0, 5.0, 3.0, 0.0);
+    linear_level: Linear::new(0.0, 1.0, 0.7, 0.7);
+    linear_nearly_level: Linear::new(0.0, 1.0, 1.0, 1.0 + 1e-15);
+    linear_steep: Linear::new(0.0, 1.0, 1e-300, 1e300);
+    linear_steep_down: Linear::new(-1.0, 0.0, 1e160, 1e-160);
+    linear_subnormal_values: Linear::new(0.0, 1.0, 5e-324, 1e-323);
+    linear_tiny: Linear::new(0.0, 1e-300, 0.0, 1.0);
+    linear_huge: Linear::new(-8e307, 8e307, 1.0, 2.0);
+    linear_one_ulp: Linear::new(1.0, 1.0 + f64::EPSILON, 0.0, 1.0), resolved: false;
+}
+
+laws! {
+    exponential: Exponential::new(1.0, 0.0, INF);
+    exponential_shifted: Exponential::new(0.3, -2.0, INF);
+    exponential_cut: Exponential::new(2.0, 1.0, 3.0);
+    exponential_growing: Exponential::new(-2.0, 1.0, 3.0);
+    exponential_growing_to_0: Exponential::new(-2.0, -3.0, 0.0);
+    exponential_level: Exponential::new(0.0, 1.0, 3.0);
+    exponential_nearly_level: Exponential::new(1e-17, 0.0, 3.0);
+    exponential_nearly_level_growing: Exponential::new(-1e-9, 0.0, 3.0);
+    exponential_subnormal_rate: Exponential::new(1e-320, 0.0, 3.0);
+    exponential_steep: Exponential::new(1e5, 0.0, 3.0);
+    exponential_steep_growing: Exponential::new(-1e5, 0.0, 3.0);
+    exponential_depth_700: Exponential::new(700.0, -1.0, 0.0);
+    exponential_tiny: Exponential::new(1e300, 0.0, INF);
+    exponential_tiny_window: Exponential::new(1e300, 0.0, 1e-300);
+    exponential_huge: Exponential::new(1e-280, 0.0, INF);
+    exponential_one_ulp: Exponential::new(1.0, 1.0, 1.0 + f64::EPSILON), resolved: false;
+}
+
+laws! {
+    power_law_flat: PowerLaw::new(0.0, 0.0, 2.0);
+    power_law_ramp: PowerLaw::new(1.0, 0.0, 1.0);
+    power_law_root: PowerLaw::new(-0.5, 0.0, 1.0), tail_from: 1e-150;
+    power_law_singular: PowerLaw::new(-0.9, 0.0, 1.0), tail_from: 1e-20;
+    power_law_nearly_log: PowerLaw::new(-0.99, 0.0, 1.0), tail_from: 1e-3, integral: 9e-4;
+    power_law_steep: PowerLaw::new(1e6, 0.0, 1.0);
+    power_law_cut: PowerLaw::new(2.5, 0.5, 2.0);
+    power_law_falling: PowerLaw::new(-3.0, 1.0, 1e3);
+    power_law_log: PowerLaw::new(-1.0, 0.5, 4.0);
+    power_law_log_wide: PowerLaw::new(-1.0, 1e-300, 1e300);
+    power_law_almost_log: PowerLaw::new(-1.0 + 1e-12, 0.5, 4.0);
+    power_law_almost_log_wide: PowerLaw::new(-1.01, 1e-290, 1e290);
+    power_law_steep_falling: PowerLaw::new(-1e6, 1.0, 2.0);
+    power_law_narrow: PowerLaw::new(2.0, 1.0, 1.0 + 1e-9);
+    power_law_tiny: PowerLaw::new(2.0, 0.0, 1e-300), tail_from: 1e-20;
+    power_law_huge: PowerLaw::new(2.0, 0.0, 1e290);
+    power_law_one_ulp: PowerLaw::new(2.0, 1.0, 1.0 + f64::EPSILON), resolved: false;
 }

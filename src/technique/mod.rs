@@ -4,8 +4,14 @@
 //! density p that the map produces. In other fields it is called a strategy, channel, proposal or
 //! importance distribution.
 
+mod exponential;
+mod linear;
+mod power_law;
 mod uniform;
 
+pub use exponential::Exponential;
+pub use linear::Linear;
+pub use power_law::PowerLaw;
 pub use uniform::Uniform;
 
 /// A sampleable pdf: a map from canonical numbers to points, and the density that the map
