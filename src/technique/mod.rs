@@ -4,14 +4,20 @@
 //! density p that the map produces. In other fields it is called a strategy, channel, proposal or
 //! importance distribution.
 
+mod cauchy;
 mod exponential;
 mod linear;
+mod normal;
 mod power_law;
+mod truncated_normal;
 mod uniform;
 
+pub use cauchy::{Cauchy, TruncatedCauchy};
 pub use exponential::Exponential;
 pub use linear::Linear;
+pub use normal::Normal;
 pub use power_law::PowerLaw;
+pub use truncated_normal::TruncatedNormal;
 pub use uniform::Uniform;
 
 /// A sampleable pdf: a map from canonical numbers to points, and the density that the map

@@ -89,8 +89,8 @@ fn ends(p: &dyn InverseCdf) {
         f64::NEG_INFINITY,
         f64::NAN,
     ] {
-        assert!(p.inverse_cdf(u).is_nan(), "inverse_cdf({u})");
-        assert!(p.inverse_survival(u).is_nan(), "inverse_survival({u})");
+        assert!(p.inverse_cdf(u).is_nan(), "inverse_cdf({u:?})");
+        assert!(p.inverse_survival(u).is_nan(), "inverse_survival({u:?})");
     }
     for (outside, mass) in [
         (a.next_down(), 0.0),
