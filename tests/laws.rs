@@ -6,7 +6,9 @@
 mod common;
 
 use common::laws::{LawOptions, check};
-use mis::technique::{Cauchy, Exponential, Linear, Normal, PowerLaw, TruncatedCauchy, Uniform};
+use mis::technique::{
+    Cauchy, Exponential, Linear, Normal, PowerLaw, TruncatedCauchy, TruncatedNormal, Uniform,
+};
 
 const INF: f64 = f64::INFINITY;
 
