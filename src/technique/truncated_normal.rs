@@ -39,13 +39,21 @@ pub struct TruncatedNormal {
     sd: f64,
     a: f64,
     b: f64,
-    /// (a - mean) / sd >= -β.
-    alpha: f64,
-    beta: f64,
-    /// The mass in units of [`Self::unit`].
+    /// At a, which is not further below the mean than b is above it.
+    alpha: Score,
+    beta: Score,
+    /// ∫ e^(-z²/2) dz from α to β, in the unit of [`Self::ln_shape`].
     total: f64,
     /// Masses up to which the series from a, and from b, serves.
     reach: [f64; 2],
+}
+
+/// A standard score z and the value of e^(-z²/2) there, in the unit of
+/// [`TruncatedNormal::ln_shape`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Score {
+    z: f64,
+    shape: f64,
 }
 
 impl TruncatedNormal {
@@ -72,19 +80,27 @@ impl TruncatedNormal {
             (mean, a, b)
         };
         let (alpha, beta) = ((a - mean) / sd, (b - mean) / sd);
+        let width = (b - a) / sd;
         let mut this = Self {
             mirrored,
             mean,
             sd,
             a,
             b,
-            alpha,
-            beta,
+            alpha: Score {
+                z: alpha,
+                shape: 1.0,
+            },
+            beta: Score {
+                z: beta,
+                shape: 1.0,
+            },
             total: 1.0,
             reach: [0.0; 2],
         };
-        this.total = this.mass(alpha, beta, (b - a) / sd);
-        let width = (b - a) / sd;
+        this.alpha.shape = this.ln_shape(a).exp();
+        this.beta.shape = this.ln_shape(b).exp();
+        this.total = this.mass(this.alpha, this.beta, width);
         this.reach = [alpha, -beta].map(|z| {
             if z.is_finite() {
                 series(z, width.min(series_limit(z)))
@@ -108,98 +124,93 @@ impl TruncatedNormal {
         Ok(this)
     }
 
-    /// ln of e^(-z²/2) in units of its value at a, where a is above the mean: from the distance
+    /// ln of e^(-z²/2), in units of its value at a where a is above the mean: from the distance
     /// to a then, since z² loses digits far out.
     fn ln_shape(&self, x: f64) -> f64 {
-        if self.alpha > 0.0 {
+        if self.alpha.z > 0.0 {
             let d = (x - self.a) / self.sd;
-            -d * (self.alpha + 0.5 * d)
+            -d * (self.alpha.z + 0.5 * d)
         } else {
             let z = (x - self.mean) / self.sd;
             -0.5 * z * z
         }
     }
 
-    /// The value at the standard score `z`, which is α, β or between them.
-    fn shape(&self, z: f64) -> f64 {
-        let centre = self.alpha.max(0.0);
-        (-0.5 * (z - centre) * (z + centre)).exp()
-    }
-
-    /// The mass above `z` >= 0 of the density that is not cut.
-    fn tail(&self, z: f64) -> f64 {
-        if self.alpha > 0.0 {
-            if z.is_infinite() {
-                0.0
-            } else {
-                self.shape(z) * mills(z)
-            }
+    /// The mass above z >= 0, of the density that is not cut.
+    fn tail(&self, at: Score) -> f64 {
+        if self.alpha.z <= 0.0 {
+            FRAC_PI_2.sqrt() * libm::erfc(at.z * FRAC_1_SQRT_2)
+        } else if at.shape > 0.0 {
+            at.shape * mills(at.z)
         } else {
-            FRAC_PI_2.sqrt() * libm::erfc(z * FRAC_1_SQRT_2)
+            0.0
         }
     }
 
-    /// The mass between `z` and `y` = z + d.
-    fn mass(&self, z: f64, y: f64, d: f64) -> f64 {
-        if z.abs() <= y.abs() && d <= series_limit(z) {
-            return self.shape(z) * series(z, d);
+    /// The mass between `low` and `high`, which are `d` apart.
+    fn mass(&self, low: Score, high: Score, d: f64) -> f64 {
+        if low.z.abs() <= high.z.abs() && d <= series_limit(low.z) {
+            return low.shape * series(low.z, d);
         }
-        if d <= series_limit(-y) {
-            return self.shape(y) * series(-y, d);
+        if d <= series_limit(high.z) {
+            return high.shape * series(-high.z, d);
         }
-        if z >= 0.0 {
-            self.tail(z) - self.tail(y)
-        } else if y <= 0.0 {
-            self.tail(-y) - self.tail(-z)
+        if low.z >= 0.0 {
+            self.tail(low) - self.tail(high)
+        } else if high.z <= 0.0 {
+            self.tail(high.mirrored()) - self.tail(low.mirrored())
         } else {
-            let erf = libm::erf(y * FRAC_1_SQRT_2) - libm::erf(z * FRAC_1_SQRT_2);
+            let erf = libm::erf(high.z * FRAC_1_SQRT_2) - libm::erf(low.z * FRAC_1_SQRT_2);
             FRAC_PI_2.sqrt() * erf
         }
     }
 
     /// The mirrored x with the masses `below` and `above` on its sides, of sum 1.
+    ///
+    /// From the smaller of the two, whose rounding error is the smaller.
     fn place(&self, below: f64, above: f64) -> f64 {
         let (low, high) = (below * self.total, above * self.total);
-        let from_a = low / self.shape(self.alpha);
-        if from_a <= self.reach[0] {
-            return self.a + self.sd * inverse_series(self.alpha, from_a);
-        }
-        let from_b = high / self.shape(self.beta);
-        if from_b <= self.reach[1] {
-            return self.b - self.sd * inverse_series(-self.beta, from_b);
-        }
-        if self.alpha > 4.0 {
-            return self.a + self.sd * self.far(below, above);
-        }
-        // A sum of positive masses on the side that has less; √(2π) turns it into a probability.
-        let unit = TAU.sqrt() / self.shape(0.0);
-        if self.alpha <= 0.0 && low < high {
-            return self.mean - self.sd * inverse_upper_tail((low + self.tail(-self.alpha)) / unit);
-        }
-        let unit = if self.alpha > 0.0 {
-            TAU.sqrt() * (0.5 * self.alpha * self.alpha).exp()
+        if below < above {
+            let from_a = low / self.alpha.shape;
+            if from_a <= self.reach[0] {
+                return self.a + self.sd * inverse_series(self.alpha.z, from_a);
+            }
+            if self.alpha.z <= 0.0 {
+                let tail = self.tail(self.alpha.mirrored()) + low;
+                return self.mean - self.sd * inverse_upper_tail(tail / TAU.sqrt());
+            }
         } else {
-            unit
-        };
-        self.mean + self.sd * inverse_upper_tail((high + self.tail(self.beta)) / unit)
+            let from_b = high / self.beta.shape;
+            if from_b <= self.reach[1] {
+                return self.b - self.sd * inverse_series(-self.beta.z, from_b);
+            }
+            if self.alpha.z <= 0.0 {
+                let tail = self.tail(self.beta) + high;
+                return self.mean + self.sd * inverse_upper_tail(tail / TAU.sqrt());
+            }
+        }
+        self.a + self.sd * self.off_peak(below, above)
     }
 
-    /// The distance to a in standard deviations, for large α: the root of
-    /// ln tail(α + d) = ln(tail(α) - below).
-    fn far(&self, below: f64, above: f64) -> f64 {
-        let first = mills(self.alpha);
+    /// The distance d to a in standard deviations, for α > 0: the root of
+    /// ln(tail(α + d) / tail(α)) = ln(1 - `below` total / tail(α)).
+    fn off_peak(&self, below: f64, above: f64) -> f64 {
+        let alpha = self.alpha.z;
+        let first = mills(alpha);
         let last = self.tail(self.beta) / first;
-        // ln of the tail's ratio to that at a.
         let target = if below < above {
             (-below * (1.0 - last)).ln_1p()
         } else {
             (above + below * last).ln()
         };
-        let mut d = -2.0 * target / (self.alpha + (self.alpha * self.alpha - 2.0 * target).sqrt());
+        let mut d = if alpha < 4.0 {
+            inverse_upper_tail(target.exp() * upper_tail(alpha)) - alpha
+        } else {
+            -2.0 * target / (alpha + (alpha * alpha - 2.0 * target).sqrt())
+        };
         for _ in 0..4 {
-            let ratio = mills(self.alpha + d);
-            let miss = (ratio / first).ln() - d * (self.alpha + 0.5 * d) - target;
-            let step = miss * ratio;
+            let ratio = mills(alpha + d);
+            let step = ratio * ((ratio / first).ln() - d * (alpha + 0.5 * d) - target);
             d += step;
             if step.abs() <= f64::EPSILON * d {
                 break;
@@ -241,14 +252,26 @@ impl TruncatedNormal {
         if x == self.b {
             return (1.0, 0.0);
         }
-        let z = ((x - self.mean) / self.sd).clamp(self.alpha, self.beta);
-        let below = self.mass(self.alpha, z, (x - self.a) / self.sd) / self.total;
-        let above = self.mass(z, self.beta, (self.b - x) / self.sd) / self.total;
+        let at = Score {
+            z: (x - self.mean) / self.sd,
+            shape: self.ln_shape(x).exp(),
+        };
+        let below = self.mass(self.alpha, at, (x - self.a) / self.sd) / self.total;
+        let above = self.mass(at, self.beta, (self.b - x) / self.sd) / self.total;
         // Of two roundings of the same split, the smaller part has the smaller error.
         if below < above {
             (below, 1.0 - below)
         } else {
             (1.0 - above, above)
+        }
+    }
+}
+
+impl Score {
+    fn mirrored(self) -> Self {
+        Self {
+            z: -self.z,
+            shape: self.shape,
         }
     }
 }
