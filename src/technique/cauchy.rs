@@ -349,3 +349,67 @@ impl InverseCdf for TruncatedCauchy {
         self.inverse(1.0 - v, v)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_arguments_are_named() {
+        let inf = f64::INFINITY;
+        for ((location, scale), message) in [
+            (
+                (f64::NAN, 1.0),
+                "Cauchy: `location` is NaN, but it must be finite",
+            ),
+            (
+                (0.0, 0.0),
+                "Cauchy: `scale` is 0.0, but it must be finite and greater than 0",
+            ),
+            (
+                (0.0, 1e300),
+                "Cauchy: `scale` is 1e300, but samples and their densities must be within the \
+                 range of normal numbers",
+            ),
+        ] {
+            assert_eq!(
+                Cauchy::new(location, scale).unwrap_err().to_string(),
+                message
+            );
+        }
+        for ((location, scale, a, b), message) in [
+            (
+                (inf, 1.0, 0.0, 1.0),
+                "`location` is inf, but it must be finite",
+            ),
+            (
+                (0.0, -1.0, 0.0, 1.0),
+                "`scale` is -1.0, but it must be finite and greater than 0",
+            ),
+            (
+                (0.0, 1.0, inf, 1.0),
+                "`a` is inf, but it must be finite or negative infinity",
+            ),
+            (
+                (0.0, 1.0, f64::NAN, 1.0),
+                "`a` is NaN, but it must be finite or negative infinity",
+            ),
+            (
+                (0.0, 1.0, 1.0, 0.0),
+                "`b` is 0.0, but it must be greater than a = 1",
+            ),
+            (
+                (0.0, 1.0, -1e308, 1e308),
+                "`b - a` is inf, but it must not overflow",
+            ),
+            (
+                (0.0, 1e-300, 1e300, 2e300),
+                "`scale` is 1e-300, but samples and their densities must be within the range of \
+                 normal numbers",
+            ),
+        ] {
+            let error = TruncatedCauchy::new(location, scale, a, b).unwrap_err();
+            assert_eq!(error.to_string(), format!("TruncatedCauchy: {message}"));
+        }
+    }
+}

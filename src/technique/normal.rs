@@ -116,3 +116,40 @@ impl InverseCdf for Normal {
         self.mean + self.sd * inverse_upper_tail(v)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_arguments_are_named() {
+        for ((mean, sd), message) in [
+            (
+                (f64::NAN, 1.0),
+                "Normal: `mean` is NaN, but it must be finite",
+            ),
+            (
+                (0.0, -1.0),
+                "Normal: `sd` is -1.0, but it must be finite and greater than 0",
+            ),
+            (
+                (0.0, f64::NAN),
+                "Normal: `sd` is NaN, but it must be finite and greater than 0",
+            ),
+            (
+                (0.0, 1e308),
+                "Normal: `sd` is 1e308, but samples and their densities must be within the range \
+                 of normal numbers",
+            ),
+        ] {
+            assert_eq!(Normal::new(mean, sd).unwrap_err().to_string(), message);
+        }
+    }
+
+    #[test]
+    fn ln_pdf_outlives_the_density() {
+        let p = Normal::standard();
+        assert_eq!(p.pdf(&50.0), 0.0);
+        assert!((p.ln_pdf(&50.0) + 1_250.918_938_533_204_7).abs() < 1e-12);
+    }
+}

@@ -380,3 +380,43 @@ impl InverseCdf for TruncatedNormal {
         self.inverse(1.0 - v, v)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_arguments_are_named() {
+        let inf = f64::INFINITY;
+        for ((mean, sd, a, b), message) in [
+            (
+                (f64::NAN, 1.0, 0.0, 1.0),
+                "`mean` is NaN, but it must be finite",
+            ),
+            (
+                (0.0, 0.0, 0.0, 1.0),
+                "`sd` is 0.0, but it must be finite and greater than 0",
+            ),
+            (
+                (0.0, 1.0, f64::NAN, 1.0),
+                "`a` is NaN, but it must be finite or negative infinity",
+            ),
+            (
+                (0.0, 1.0, inf, inf),
+                "`a` is inf, but it must be finite or negative infinity",
+            ),
+            (
+                (0.0, 1.0, 1.0, -1.0),
+                "`b` is -1.0, but it must be greater than a = 1",
+            ),
+            (
+                (0.0, 1e-300, 1e300, 2e300),
+                "`sd` is 1e-300, but samples and their densities must be within the range of \
+                 normal numbers",
+            ),
+        ] {
+            let error = TruncatedNormal::new(mean, sd, a, b).unwrap_err();
+            assert_eq!(error.to_string(), format!("TruncatedNormal: {message}"));
+        }
+    }
+}
