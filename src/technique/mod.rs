@@ -8,15 +8,18 @@ mod cauchy;
 mod exponential;
 mod linear;
 mod normal;
+mod normal_tail;
 mod power_law;
+mod truncated_cauchy;
 mod truncated_normal;
 mod uniform;
 
-pub use cauchy::{Cauchy, TruncatedCauchy};
+pub use cauchy::Cauchy;
 pub use exponential::Exponential;
 pub use linear::Linear;
 pub use normal::Normal;
 pub use power_law::PowerLaw;
+pub use truncated_cauchy::TruncatedCauchy;
 pub use truncated_normal::TruncatedNormal;
 pub use uniform::Uniform;
 

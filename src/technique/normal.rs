@@ -1,8 +1,9 @@
 //! The normal density on the whole line.
 
+use super::normal_tail::{inverse_upper_tail, upper_tail};
 use super::{InverseCdf, Technique, canonical};
 use crate::error::{ArgumentError, finite, positive};
-use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2, TAU};
+use std::f64::consts::TAU;
 
 /// The normal density on the whole line, with respect to length.
 ///
@@ -59,16 +60,6 @@ impl Normal {
     fn z(&self, x: f64) -> f64 {
         (x - self.mean) / self.sd
     }
-}
-
-/// The mass of the standard normal density above `z`.
-pub(super) fn upper_tail(z: f64) -> f64 {
-    0.5 * libm::erfc(z * FRAC_1_SQRT_2)
-}
-
-/// The z with the mass `v` of the standard normal density above it, v in \[0, 1\].
-pub(super) fn inverse_upper_tail(v: f64) -> f64 {
-    SQRT_2 * statrs::function::erf::erfc_inv(2.0 * v)
 }
 
 impl Technique for Normal {

@@ -1,6 +1,8 @@
 //! The normal density, cut to an interval.
 
-use super::normal::{inverse_upper_tail, upper_tail};
+use super::normal_tail::{
+    inverse_series, inverse_upper_tail, mills, series, series_limit, upper_tail,
+};
 use super::{InverseCdf, Technique, canonical};
 use crate::error::{ArgumentError, finite, greater, positive};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
@@ -27,9 +29,6 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 /// is above the mean; large ones are differences of Mills' ratios, small ones the Taylor series
 /// of ∫ e^(-α t - t²/2) dt from the end at hand. Far out, the inverse is a root by Newton's
 /// method on the logarithm of the tail.
-///
-/// Source of the continued fraction of Mills' ratio: M. Abramowitz, I. A. Stegun, *Handbook of
-/// Mathematical Functions*, 1964, 26.2.14.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[doc(alias("Gauss", "Gaussian"))]
 pub struct TruncatedNormal {
@@ -274,61 +273,6 @@ impl Score {
             shape: self.shape,
         }
     }
-}
-
-/// Distances d where |z| d + d²/2 <= 1.
-fn series_limit(z: f64) -> f64 {
-    2.0 / (z.abs() + (z * z + 2.0).sqrt())
-}
-
-/// ∫ e^(-z t - t²/2) dt from 0 to d: the Taylor series at 0, whose coefficients are Hermite
-/// polynomials.
-fn series(z: f64, d: f64) -> f64 {
-    let (slope, square) = (z * d, d * d);
-    let (mut before, mut term, mut sum) = (0.0, 1.0, 1.0);
-    for k in 1..40 {
-        let next = -(slope * term + square * before) / f64::from(k);
-        (before, term) = (term, next);
-        sum += term / f64::from(k + 1);
-        if term.abs() + before.abs() < 0.125 * f64::EPSILON {
-            break;
-        }
-    }
-    d * sum
-}
-
-/// The d with `series(z, d)` = `mass`, by Halley's method from the root without t²/2.
-fn inverse_series(z: f64, mass: f64) -> f64 {
-    let y = z * mass;
-    let mut d = if y.abs() < f64::MIN_POSITIVE {
-        mass
-    } else {
-        -(-y).ln_1p() / z
-    };
-    d = d.min(series_limit(z));
-    for _ in 0..6 {
-        let newton = (series(z, d) - mass) / (-d * (z + 0.5 * d)).exp();
-        let step = newton / (1.0 + 0.5 * newton * (z + d));
-        d -= step;
-        if step.abs() <= f64::EPSILON * d {
-            break;
-        }
-    }
-    d
-}
-
-/// Mills' ratio, e^(z²/2) ∫ e^(-t²/2) dt from z to infinity, for z >= 0.
-fn mills(z: f64) -> f64 {
-    if z < 5.0 {
-        // e^(w²) from a part of w that squares exactly, and the rest.
-        let w = z * FRAC_1_SQRT_2;
-        let head = f64::from(w as f32);
-        let scale = (head * head).exp() * ((w - head) * (w + head)).exp();
-        return FRAC_PI_2.sqrt() * (scale * libm::erfc(w));
-    }
-    // 26 levels reach the last digit at z = 5.
-    let fraction = (1..=26).rev().fold(z, |f, k| z + f64::from(k) / f);
-    fraction.recip()
 }
 
 impl Technique for TruncatedNormal {
