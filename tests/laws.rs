@@ -6,8 +6,10 @@
 mod common;
 
 use common::laws::{LawOptions, check};
+use common::point_laws::check_points;
 use mis::technique::{
-    Cauchy, Exponential, Linear, Normal, PowerLaw, TruncatedCauchy, TruncatedNormal, Uniform,
+    Cauchy, Exponential, InverseCdf, Linear, Normal, PowerLaw, Technique, TruncatedCauchy,
+    TruncatedNormal, Uniform, canonical,
 };
 
 const INF: f64 = f64::INFINITY;
@@ -111,7 +113,7 @@ laws! {
     cauchy: Cauchy::new(0.0, 1.0);
     cauchy_shifted: Cauchy::new(91.2, 1.25);
     cauchy_tiny: Cauchy::new(0.0, 1e-300);
-    cauchy_huge: Cauchy::new(0.0, 1e270), tail_from: 1e-30;
+    cauchy_huge: Cauchy::new(0.0, 1e270), tail_from: 1e-20;
     truncated_cauchy: TruncatedCauchy::new(91.2, 1.25, 60.0, 120.0);
     truncated_cauchy_line: TruncatedCauchy::new(1.0, 2.0, -INF, INF);
     truncated_cauchy_lower_half: TruncatedCauchy::new(0.0, 1.0, -INF, 0.0);
@@ -150,4 +152,29 @@ laws! {
     truncated_normal_tiny: TruncatedNormal::new(0.0, 1e-300, -1e-300, 3e-300), ln_pdf: 1000.0;
     truncated_normal_needle: TruncatedNormal::new(0.0, 1e-30, -1.0, 1.0), ln_pdf: 1000.0;
     truncated_normal_one_ulp: TruncatedNormal::new(0.0, 1.0, 1.0, 1.0 + f64::EPSILON), resolved: false;
+}
+
+/// The laws of points, on the smallest example.
+#[test]
+fn points() {
+    struct Square(PowerLaw);
+
+    impl Technique for Square {
+        type Point = [f64; 2];
+
+        fn dimension(&self) -> usize {
+            2
+        }
+
+        fn sample(&self, xi: &[f64]) -> [f64; 2] {
+            [0, 1].map(|d| self.0.inverse_cdf(canonical(xi, d)))
+        }
+
+        fn pdf(&self, x: &[f64; 2]) -> f64 {
+            self.0.pdf(&x[0]) * self.0.pdf(&x[1])
+        }
+    }
+
+    let p = PowerLaw::new(1.0, 0.5, 2.0).unwrap();
+    check_points(&Square(p), &[&p, &p], &|x| [x[0], x[1]], 100_000, 1e-6);
 }
