@@ -5,20 +5,35 @@
 //! importance distribution.
 
 mod affine;
+mod cauchy;
+mod exponential;
 mod fn_technique;
 mod invert;
+mod linear;
+mod normal;
+mod normal_tail;
 mod numeric_inverse;
 mod piecewise;
+mod power_law;
 mod product;
 mod truncated;
+mod truncated_cauchy;
+mod truncated_normal;
 mod uniform;
 
 pub use affine::Affine;
+pub use cauchy::Cauchy;
+pub use exponential::Exponential;
 pub use fn_technique::FnTechnique;
+pub use linear::Linear;
+pub use normal::Normal;
 pub use numeric_inverse::NumericInverse;
 pub use piecewise::PiecewiseConstant;
+pub use power_law::PowerLaw;
 pub use product::{Product, ProductVec, UniformBox};
 pub use truncated::Truncated;
+pub use truncated_cauchy::TruncatedCauchy;
+pub use truncated_normal::TruncatedNormal;
 pub use uniform::Uniform;
 
 /// A sampleable pdf: a map from canonical numbers to points, and the density that the map
