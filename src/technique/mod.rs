@@ -7,17 +7,21 @@
 mod affine;
 mod fn_technique;
 mod invert;
+mod mixture;
 mod numeric_inverse;
 mod piecewise;
 mod product;
+mod statrs;
 mod truncated;
 mod uniform;
 
 pub use affine::Affine;
 pub use fn_technique::FnTechnique;
+pub use mixture::Mixture;
 pub use numeric_inverse::NumericInverse;
 pub use piecewise::PiecewiseConstant;
 pub use product::{Product, ProductVec, UniformBox};
+pub use statrs::Statrs;
 pub use truncated::Truncated;
 pub use uniform::Uniform;
 

@@ -200,3 +200,131 @@ impl<T: InverseCdf> InverseCdf for Truncated<T> {
         (self.a, self.b)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{NumericInverse, PiecewiseConstant, Uniform};
+    use super::*;
+    use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2};
+
+    type Normal = NumericInverse<fn(f64) -> f64, fn(f64) -> f64, fn(f64) -> f64>;
+
+    fn normal(a: f64, b: f64) -> Result<Truncated<Normal>, ArgumentError> {
+        let whole = [f64::NEG_INFINITY, f64::INFINITY];
+        let pdf: fn(f64) -> f64 = |x| (-0.5 * x * x).exp() * (0.5 * FRAC_1_PI).sqrt();
+        let cdf: fn(f64) -> f64 = |x| 0.5 * libm::erfc(-x * FRAC_1_SQRT_2);
+        let survival: fn(f64) -> f64 = |x| 0.5 * libm::erfc(x * FRAC_1_SQRT_2);
+        Truncated::new(
+            NumericInverse::new(whole, pdf, cdf)?.with_survival(survival),
+            a,
+            b,
+        )
+    }
+
+    #[test]
+    fn either_tail_keeps_its_precision() {
+        // P(8 < Z < 9) to 17 digits, from erfc in arbitrary precision.
+        let mass = 6.219_831_985_865_83e-16;
+        let (upper, lower) = (normal(8.0, 9.0).unwrap(), normal(-9.0, -8.0).unwrap());
+        assert!(
+            (upper.mass() / mass - 1.0).abs() < 1e-13,
+            "{:e}",
+            upper.mass()
+        );
+        assert!(
+            (lower.mass() / mass - 1.0).abs() < 1e-13,
+            "{:e}",
+            lower.mass()
+        );
+        // The density is 8.1 at the end towards 0, where floats are 1.8e-15 apart.
+        let grain = 8.2 * (8.0_f64.next_up() - 8.0);
+        for u in [1e-12, 1e-3, 0.25, 0.5, 0.75, 0.999] {
+            for p in [&upper as &dyn InverseCdf, &lower] {
+                let x = p.inverse_cdf(u);
+                assert!(
+                    (p.cdf(x) - u).abs() < 2.0 * grain,
+                    "{u}: {:e}",
+                    p.cdf(x) - u
+                );
+                let x = p.inverse_survival(u);
+                assert!((p.survival(x) - u).abs() < 2.0 * grain, "{u}");
+            }
+            let (x, y) = (upper.inverse_cdf(u), lower.inverse_survival(u));
+            assert!((x + y).abs() < 1e-13, "mirror images {x} {y}");
+        }
+    }
+
+    #[test]
+    fn across_the_median_both_sides_are_used() {
+        let p = normal(-1.0, f64::INFINITY).unwrap();
+        assert_eq!(p.support(), (-1.0, f64::INFINITY));
+        for v in [0.9, 0.5, 1e-3, 1e-20, 1e-100] {
+            let x = p.inverse_survival(v);
+            assert!((p.survival(x) / v - 1.0).abs() < 1e-12, "{v:e}");
+        }
+        let whole = normal(f64::NEG_INFINITY, f64::INFINITY).unwrap();
+        assert_eq!(whole.mass(), 1.0);
+        assert_eq!(whole.pdf(&0.3), whole.inner().pdf(&0.3));
+        for u in [0.0, 1.0] {
+            assert!(whole.sample(&[u]).is_finite());
+        }
+    }
+
+    #[test]
+    fn the_ends_are_exact_and_the_rest_is_outside() {
+        let p = Truncated::new(Uniform::new(0.0, 10.0).unwrap(), 2.0, 4.5).unwrap();
+        assert_eq!((p.inverse_cdf(0.0), p.inverse_cdf(1.0)), (2.0, 4.5));
+        assert_eq!(
+            (p.inverse_survival(0.0), p.inverse_survival(1.0)),
+            (4.5, 2.0)
+        );
+        assert_eq!(
+            (p.cdf(2.0), p.cdf(4.5), p.survival(2.0), p.survival(4.5)),
+            (0.0, 1.0, 1.0, 0.0)
+        );
+        assert_eq!(
+            (p.pdf(&1.9), p.pdf(&4.6), p.ln_pdf(&1.9)),
+            (0.0, 0.0, f64::NEG_INFINITY)
+        );
+        assert_eq!(
+            (p.cdf(1.0), p.cdf(9.0), p.survival(1.0), p.survival(9.0)),
+            (0.0, 1.0, 1.0, 0.0)
+        );
+        assert!((p.pdf(&3.0) - 0.4).abs() < 1e-15 && (p.ln_pdf(&3.0) - 0.4_f64.ln()).abs() < 1e-15);
+        // An interval that sticks out is cut to the support.
+        let p = Truncated::new(Uniform::unit(), -3.0, 0.5).unwrap();
+        assert_eq!((p.support(), p.mass()), ((0.0, 0.5), 0.5));
+        for u in [f64::NAN, -0.1, 1.1] {
+            assert!(p.inverse_cdf(u).is_nan() && p.inverse_survival(u).is_nan());
+        }
+        assert!(
+            p.sample(&[]).is_nan() && p.cdf(f64::NAN).is_nan() && p.survival(f64::NAN).is_nan()
+        );
+    }
+
+    #[test]
+    fn errors_name_argument_value_and_rule() {
+        let unit = |a, b| {
+            Truncated::new(Uniform::unit(), a, b)
+                .unwrap_err()
+                .to_string()
+        };
+        assert_eq!(
+            unit(1.0, 0.5),
+            "Truncated: `b` is 0.5, but it must be greater than a = 1"
+        );
+        assert!(unit(f64::NAN, 1.0).contains("`a` is NaN"));
+        assert!(unit(0.0, f64::NAN).contains("`b` is NaN"));
+        assert!(unit(2.0, 3.0).contains("`mass in [a, b]` is 0.0"));
+        assert!(unit(0.3, 0.3 + 1e-12).contains("2^-30 of"));
+        assert!(
+            normal(40.0, 41.0)
+                .unwrap_err()
+                .to_string()
+                .contains("`mass in [a, b]`")
+        );
+        let gap = PiecewiseConstant::new(&[0.0, 1.0, 2.0, 3.0], &[1.0, 0.0, 1.0]).unwrap();
+        let error = Truncated::new(gap, 1.25, 1.75).unwrap_err();
+        assert_eq!((error.argument(), error.value()), ("mass in [a, b]", "0.0"));
+    }
+}
