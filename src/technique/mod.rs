@@ -5,21 +5,27 @@
 //! importance distribution.
 
 mod affine;
+mod exponential;
 mod fn_technique;
 mod invert;
+mod linear;
 mod mixture;
 mod numeric_inverse;
 mod piecewise;
+mod power_law;
 mod product;
 mod statrs;
 mod truncated;
 mod uniform;
 
 pub use affine::Affine;
+pub use exponential::Exponential;
 pub use fn_technique::FnTechnique;
+pub use linear::Linear;
 pub use mixture::Mixture;
 pub use numeric_inverse::NumericInverse;
 pub use piecewise::PiecewiseConstant;
+pub use power_law::PowerLaw;
 pub use product::{Product, ProductVec, UniformBox};
 pub use statrs::Statrs;
 pub use truncated::Truncated;

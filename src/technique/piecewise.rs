@@ -110,9 +110,12 @@ impl PiecewiseConstant {
                 ));
             }
         }
-        let (below, _) = running_sums(probabilities.iter().copied());
+        let (mut below, _) = running_sums(probabilities.iter().copied());
         let (mut above, _) = running_sums(probabilities.iter().rev().copied());
         above.reverse();
+        // The sums of rounded probabilities, which are 1 to an ulp.
+        below[probabilities.len()] = 1.0;
+        above[0] = 1.0;
         Ok(Self {
             edges,
             probabilities,
@@ -292,8 +295,11 @@ impl InverseCdf for PiecewiseConstant {
         if x.is_nan() {
             return f64::NAN;
         }
-        if !self.contains(x) {
-            return if x < self.edges[0] { 0.0 } else { 1.0 };
+        if x <= self.edges[0] {
+            return 0.0;
+        }
+        if x >= self.edges[self.edges.len() - 1] {
+            return 1.0;
         }
         let k = self.bin(x);
         let (low, high) = (self.edges[k], self.edges[k + 1]);
@@ -315,8 +321,11 @@ impl InverseCdf for PiecewiseConstant {
         if x.is_nan() {
             return f64::NAN;
         }
-        if !self.contains(x) {
-            return if x < self.edges[0] { 1.0 } else { 0.0 };
+        if x <= self.edges[0] {
+            return 1.0;
+        }
+        if x >= self.edges[self.edges.len() - 1] {
+            return 0.0;
         }
         let k = self.bin(x);
         let (low, high) = (self.edges[k], self.edges[k + 1]);

@@ -6,6 +6,10 @@ use crate::error::ArgumentError;
 use statrs::distribution::{Continuous, ContinuousCDF};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+/// 2⁻⁵⁰⁰ and 2⁵⁰⁰: where the library's squares and products neither over- nor underflow.
+const SMALL: f64 = f64::from_bits((1023 - 500) << 52);
+const LARGE: f64 = f64::from_bits((1023 + 500) << 52);
+
 /// A continuous distribution of the crate `statrs`, with respect to length.
 ///
 /// p, ln p, P and 1 - P are `statrs`' functions on the distribution's support, and 0 or 1 beyond it.
@@ -35,7 +39,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// about 5 to 20 evaluations of the CDF: 0.1 to 10 µs.
 ///
 /// Where `statrs`' pdf is NaN at an end of the support, so is this one: at 0 for
-/// `Triangular(0, 1, 0)`. Samples are strictly inside the support, so no sample is such a point.
+/// `Triangular(0, 1, 0)`. Samples are strictly inside the support, so no sample is such a point. Where
+/// it is NaN inside, as 0 · ∞ far out in a tail, p is exp(ln p), or 0 if that is NaN too and P or
+/// 1 - P is 0 there or |x| is not within 2⁻⁵⁰⁰ to 2⁵⁰⁰.
 ///
 /// Where `statrs`' CDF panics (`Gamma`, where x · rate leaves the range of floats), the value is NaN
 /// if panics unwind; the search for the inverse does not go there unless the quantile is there.
@@ -96,11 +102,22 @@ impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64> + Sync> Statrs<D> {
     }
 
     fn contains(&self, x: f64) -> bool {
-        self.a <= x && x <= self.b
+        self.a <= x && x <= self.b && x.is_finite()
     }
 
-    fn slope(&self, x: f64) -> f64 {
-        self.distribution.pdf(x)
+    /// p(x) in the support.
+    fn density(&self, x: f64) -> f64 {
+        let p = self.distribution.pdf(x);
+        if !p.is_nan() || x == self.a || x == self.b {
+            return p;
+        }
+        // Far out, the library's products are 0 · inf.
+        let p = self.distribution.ln_pdf(x).exp();
+        if p.is_nan() && (self.cdf(x) == 0.0 || self.survival(x) == 0.0) {
+            0.0
+        } else {
+            p
+        }
     }
 
     fn from_below(&self, u: f64) -> f64 {
@@ -109,7 +126,7 @@ impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64> + Sync> Statrs<D> {
             u,
             [self.a, self.b],
             |x| self.cdf(x),
-            |x| self.slope(x),
+            |x| self.density(x),
         )
     }
 
@@ -119,7 +136,7 @@ impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64> + Sync> Statrs<D> {
             v,
             [self.a, self.b],
             |x| self.survival(x),
-            |x| self.slope(x),
+            |x| self.density(x),
         )
     }
 }
@@ -144,7 +161,7 @@ impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64> + Sync> Technique for Sta
 
     fn pdf(&self, x: &f64) -> f64 {
         if self.contains(*x) {
-            self.distribution.pdf(*x)
+            self.density(*x)
         } else {
             0.0
         }
@@ -154,12 +171,12 @@ impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64> + Sync> Technique for Sta
         if !self.contains(*x) {
             return f64::NEG_INFINITY;
         }
-        let p = self.distribution.pdf(*x);
+        let p = self.density(*x);
         if p.is_normal() {
-            p.ln()
-        } else {
-            self.distribution.ln_pdf(*x)
+            return p.ln();
         }
+        let ln_p = self.distribution.ln_pdf(*x);
+        if ln_p.is_nan() { p.ln() } else { ln_p }
     }
 }
 
@@ -366,6 +383,21 @@ mod tests {
         // The library's quantile panics at 0 and 1.
         let p = Statrs::new(d::Laplace::new(0.0, 1.0).unwrap()).unwrap();
         assert_eq!(p.support(), (f64::NEG_INFINITY, f64::INFINITY));
+        // The library's products are 0 · inf here.
+        assert!(d::Gamma::new(2.5, 3.0).unwrap().pdf(1e228).is_nan());
+        let p = Statrs::new(d::Gamma::new(2.5, 3.0).unwrap()).unwrap();
+        assert_eq!((p.pdf(&1e228), p.pdf(&f64::INFINITY)), (0.0, 0.0));
+        assert!(d::InverseGamma::new(2.0, 3.0).unwrap().pdf(1e-277).is_nan());
+        let p = Statrs::new(d::InverseGamma::new(2.0, 3.0).unwrap()).unwrap();
+        assert_eq!(
+            (p.pdf(&1e-277), p.ln_pdf(&1e-277)),
+            (0.0, f64::NEG_INFINITY)
+        );
+        let p = Statrs::new(d::Gumbel::new(0.0, 1.0).unwrap()).unwrap();
+        assert_eq!(
+            (p.pdf(&f64::NEG_INFINITY), p.ln_pdf(&f64::NEG_INFINITY)),
+            (0.0, f64::NEG_INFINITY)
+        );
         // A density that underflows has a logarithm.
         let p = Statrs::new(d::Normal::new(0.0, 1.0).unwrap()).unwrap();
         assert_eq!(p.pdf(&100.0), 0.0);

@@ -153,7 +153,10 @@ impl<T: InverseCdf> Technique for Truncated<T> {
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
-        if self.contains(*x) {
+        let p = self.pdf(x);
+        if p.is_normal() {
+            p.ln()
+        } else if self.contains(*x) {
             self.inner.ln_pdf(x) - self.mass.ln()
         } else {
             f64::NEG_INFINITY
