@@ -5,8 +5,8 @@ use crate::error::{ArgumentError, finite};
 
 /// The density of x = shift + scale · y for y from a technique T, with respect to length.
 ///
-/// p(x) = p_T(y) / |scale| with y = (x - shift) / scale. For scale > 0: P(x) = P_T(y) and
-/// P⁻¹(u) = shift + scale · P_T⁻¹(u). A negative scale mirrors: the CDF is T's survival function,
+/// With g and G the density and the CDF of T and y = (x - shift) / scale: p(x) = g(y) / |scale|, and
+/// for scale > 0 P(x) = G(y) and P⁻¹(u) = shift + scale · G⁻¹(u). A negative scale mirrors: the CDF is T's survival function,
 /// and the inverse CDF its inverse.
 ///
 /// ```

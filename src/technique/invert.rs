@@ -1,4 +1,4 @@
-//! The numerical inversion of a monotone function, shared by the techniques that need it.
+//! The numerical inversion of a CDF, shared by the techniques that need it.
 
 /// Which tail the function measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,6 +11,48 @@ pub(super) enum Side {
 
 /// How many Newton steps may pass without halving the bracket.
 const NEWTON_STEPS: u32 = 6;
+
+/// The inverse CDF at u, from the CDF below the median and the survival function above it.
+pub(super) fn inverse_cdf(
+    u: f64,
+    [a, b]: [f64; 2],
+    cdf: impl Fn(f64) -> f64,
+    survival: impl Fn(f64) -> f64,
+    slope: impl Fn(f64) -> f64,
+) -> f64 {
+    if u == 0.0 {
+        a
+    } else if u == 1.0 {
+        b
+    } else if !(0.0..=1.0).contains(&u) {
+        f64::NAN
+    } else if u <= 0.5 {
+        invert(Side::Lower, u, [a, b], cdf, slope)
+    } else {
+        invert(Side::Upper, 1.0 - u, [a, b], survival, slope)
+    }
+}
+
+/// The inverse survival function at v, likewise.
+pub(super) fn inverse_survival(
+    v: f64,
+    [a, b]: [f64; 2],
+    cdf: impl Fn(f64) -> f64,
+    survival: impl Fn(f64) -> f64,
+    slope: impl Fn(f64) -> f64,
+) -> f64 {
+    if v == 0.0 {
+        b
+    } else if v == 1.0 {
+        a
+    } else if !(0.0..=1.0).contains(&v) {
+        f64::NAN
+    } else if v < 0.5 {
+        invert(Side::Upper, v, [a, b], survival, slope)
+    } else {
+        invert(Side::Lower, 1.0 - v, [a, b], cdf, slope)
+    }
+}
 
 /// The x in \[a, b\] where `tail(x)` passes `target`; `slope` is the density, |d tail / dx|.
 ///

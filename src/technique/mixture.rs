@@ -7,7 +7,7 @@ use crate::error::ArgumentError;
 /// The mixture of techniques: one of them, chosen at random, gives the point. With respect to the
 /// measure that its components share.
 ///
-/// p(x) = P_1 p_1(x) + ... + P_K p_K(x). The first canonical number selects the component, the
+/// p(x) = Σ Pₖ pₖ(x), k from 1 to K. The first canonical number selects the component, the
 /// others go to it, so the dimension is 1 + the largest dimension of a component. Components of
 /// probability 0 are never selected nor evaluated.
 ///
@@ -27,8 +27,8 @@ use crate::error::ArgumentError;
 ///
 /// # Numerics
 ///
-/// ln p is a log-sum-exp: ln Σ P_k p_k = m + ln Σ exp(ln P_k + ln p_k - m) with m the largest term, so
-/// it is finite also where every p_k underflows.
+/// ln p is a log-sum-exp: ln Σ Pₖ pₖ = m + ln Σ exp(ln Pₖ + ln pₖ - m) with m the largest term, so
+/// it is finite also where every pₖ underflows.
 ///
 /// Source of the term and its use for importance sampling: T. Hesterberg, *Weighted average
 /// importance sampling and defensive mixture distributions*, Technometrics 37 (1995) 185-194.
@@ -256,8 +256,8 @@ mod tests {
             1.0,
         )])
         .unwrap();
-        let parts: Vec<(Box<dyn Technique<Point = [f64; 2]>>, f64)> =
-            vec![(Box::new(far), 0.5), (Box::new(near), 0.5)];
+        type Boxed = Box<dyn Technique<Point = [f64; 2]>>;
+        let parts: Vec<(Boxed, f64)> = vec![(Box::new(far), 0.5), (Box::new(near), 0.5)];
         let p = Mixture::new(parts).unwrap();
         assert_eq!(p.dimension(), 4);
         assert_eq!(p.sample(&[0.1, 0.5, 0.5, 0.9]), [5.5, 6.0]);

@@ -15,6 +15,7 @@ mod piecewise;
 mod power_law;
 mod product;
 mod statrs;
+mod tabulate;
 mod truncated;
 mod uniform;
 

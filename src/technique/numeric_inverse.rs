@@ -1,8 +1,7 @@
 //! A technique whose inverse CDF is found numerically.
 
 use super::fn_technique::ends;
-use super::invert::{Side, invert};
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, canonical, invert};
 use crate::error::ArgumentError;
 use std::fmt;
 
@@ -65,7 +64,8 @@ where
         let [a, b] = ends("NumericInverse", support)?;
         for (x, expected) in [(a, 0.0), (b, 1.0)] {
             let value = cdf(x);
-            if !((value - expected).abs() <= TOLERANCE) {
+            let near = (value - expected).abs() <= TOLERANCE;
+            if !near {
                 let name = format!("cdf({x:?})");
                 let rule = format!("it must be {expected} to within {TOLERANCE:e}");
                 return Err(ArgumentError::new("NumericInverse", name, value, rule));
@@ -103,33 +103,6 @@ impl<P, C, S> fmt::Debug for NumericInverse<P, C, S> {
         f.debug_struct("NumericInverse")
             .field("support", &support)
             .finish_non_exhaustive()
-    }
-}
-
-impl<P, C, S> NumericInverse<P, C, S>
-where
-    P: Fn(f64) -> f64 + Sync,
-    C: Fn(f64) -> f64 + Sync,
-    S: Fn(f64) -> f64 + Sync,
-{
-    fn from_below(&self, u: f64) -> f64 {
-        invert(
-            Side::Lower,
-            u,
-            [self.a, self.b],
-            |x| self.cdf(x),
-            |x| (self.pdf)(x),
-        )
-    }
-
-    fn from_above(&self, v: f64) -> f64 {
-        invert(
-            Side::Upper,
-            v,
-            [self.a, self.b],
-            |x| self.survival(x),
-            |x| (self.pdf)(x),
-        )
     }
 }
 
@@ -175,17 +148,14 @@ where
     }
 
     fn inverse_cdf(&self, u: f64) -> f64 {
-        if u == 0.0 {
-            self.a
-        } else if u == 1.0 {
-            self.b
-        } else if !(0.0..=1.0).contains(&u) {
-            f64::NAN
-        } else if u <= 0.5 {
-            self.from_below(u)
-        } else {
-            self.from_above(1.0 - u)
-        }
+        let ends = [self.a, self.b];
+        invert::inverse_cdf(
+            u,
+            ends,
+            |x| self.cdf(x),
+            |x| self.survival(x),
+            |x| (self.pdf)(x),
+        )
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -196,17 +166,14 @@ where
     }
 
     fn inverse_survival(&self, v: f64) -> f64 {
-        if v == 0.0 {
-            self.b
-        } else if v == 1.0 {
-            self.a
-        } else if !(0.0..=1.0).contains(&v) {
-            f64::NAN
-        } else if v < 0.5 {
-            self.from_above(v)
-        } else {
-            self.from_below(1.0 - v)
-        }
+        let ends = [self.a, self.b];
+        invert::inverse_survival(
+            v,
+            ends,
+            |x| self.cdf(x),
+            |x| self.survival(x),
+            |x| (self.pdf)(x),
+        )
     }
 }
 
@@ -316,7 +283,8 @@ mod tests {
                 count.set(count.get() + 1);
                 (x + x.sin()) / PI
             };
-            invert(Side::Lower, u, [0.0, PI], cdf, |x| (1.0 + x.cos()) / PI);
+            let ends = [0.0, PI];
+            invert::inverse_cdf(u, ends, cdf, |_| f64::NAN, |x| (1.0 + x.cos()) / PI);
             total += count.get();
         }
         assert!(total <= 8 * n, "{total} evaluations for {n} samples");

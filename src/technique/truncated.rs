@@ -5,8 +5,8 @@ use crate::error::{ArgumentError, greater};
 
 /// The density of a technique T restricted to \[a, b\], with respect to length.
 ///
-/// With m = P_T(b) - P_T(a): p(x) = p_T(x) / m on \[a, b\], P(x) = (P_T(x) - P_T(a)) / m and
-/// P⁻¹(u) = P_T⁻¹(P_T(a) + u m).
+/// With g and G the density and the CDF of T and m = G(b) - G(a): p(x) = g(x) / m on \[a, b\],
+/// P(x) = (G(x) - G(a)) / m and P⁻¹(u) = G⁻¹(G(a) + u m).
 ///
 /// ```
 /// use mis::technique::{InverseCdf, PiecewiseConstant, Technique, Truncated};
