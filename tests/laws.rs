@@ -202,7 +202,10 @@ fn mixture_on_the_line() {
             .zip(densities)
             .all(|(m, d)| (m - d).abs() <= 4.0 * f64::EPSILON)
     );
-    chi_squared(&masses, xs.iter().map(|x| ((x + 7.0) * 4.0) as usize));
+    chi_squared(
+        &masses,
+        xs.iter().map(|x| edges.partition_point(|e| e <= x) - 1),
+    );
     kolmogorov(&mut xs.iter().map(|&x| cdf(x)).collect::<Vec<f64>>());
 }
 

@@ -180,6 +180,8 @@ mod tests {
     use super::super::{ProductVec, Statrs, Uniform, UniformBox};
     use super::*;
 
+    type Boxed = Box<dyn Technique<Point = [f64; 2]>>;
+
     const LARGEST: f64 = 1.0 - f64::EPSILON / 2.0;
 
     fn unit(shift: f64) -> Uniform {
@@ -256,7 +258,6 @@ mod tests {
             1.0,
         )])
         .unwrap();
-        type Boxed = Box<dyn Technique<Point = [f64; 2]>>;
         let parts: Vec<(Boxed, f64)> = vec![(Box::new(far), 0.5), (Box::new(near), 0.5)];
         let p = Mixture::new(parts).unwrap();
         assert_eq!(p.dimension(), 4);

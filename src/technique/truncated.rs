@@ -26,7 +26,8 @@ use crate::error::{ArgumentError, greater};
 /// nearly equal masses loses digits: m has the relative error ε M / m, with M the mass beyond the
 /// interval's end that is nearer to the median (or 1/2), and so have p, and the CDF near the ends.
 /// Construction refuses m < 2⁻³⁰ M. For a narrow interval of a smooth density another proposal is
-/// better: the uniform one, a table, or a type made for it.
+/// better: the uniform one, a table, or a type made for it. An end that lies in a gap of T's support
+/// can be sampled, at canonical numbers within rounding of 0 or 1; put ends where T has a density.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truncated<T> {
     inner: T,
@@ -109,7 +110,7 @@ impl<T: InverseCdf> Truncated<T> {
                 far - rest * self.mass
             }
         };
-        // Each form is exact at both ends of the interval.
+        // From the nearer end, so that neither is overshot by more than rounding.
         let lower = from_nearer(self.below, u, self.not_above, v);
         let x = if lower <= 0.5 {
             self.inner.inverse_cdf(lower)
@@ -179,7 +180,13 @@ impl<T: InverseCdf> InverseCdf for Truncated<T> {
         if !(0.0..=1.0).contains(&u) {
             return f64::NAN;
         }
-        self.split(u, 1.0 - u)
+        if u == 0.0 {
+            self.a
+        } else if u == 1.0 {
+            self.b
+        } else {
+            self.split(u, 1.0 - u)
+        }
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -196,7 +203,13 @@ impl<T: InverseCdf> InverseCdf for Truncated<T> {
         if !(0.0..=1.0).contains(&v) {
             return f64::NAN;
         }
-        self.split(1.0 - v, v)
+        if v == 0.0 {
+            self.b
+        } else if v == 1.0 {
+            self.a
+        } else {
+            self.split(1.0 - v, v)
+        }
     }
 
     fn support(&self) -> (f64, f64) {
