@@ -47,6 +47,207 @@ laws! {
     uniform_one_ulp: Uniform::new(1.0, 1.0 + f64::EPSILON), resolved: false;
 }
 
+// Compositions and wrappers.
+
+use common::laws::{canonical_numbers, chi_squared, kolmogorov};
+use common::point_laws::check_points;
+use mis::technique::{
+    Affine, FnTechnique, InverseCdf, Mixture, NumericInverse, PiecewiseConstant, Product,
+    ProductVec, Statrs, Technique, Truncated, UniformBox,
+};
+use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2};
+
+laws! {
+    piecewise_one_bin: PiecewiseConstant::new(&[-1.0, 2.0], &[3.0]);
+    piecewise: PiecewiseConstant::new(&[0.0, 0.5, 2.0, 2.25, 7.0], &[1.0, 3.0, 0.5, 2.0]),
+        splits: vec![0.5, 2.0, 2.25];
+    piecewise_with_gaps: PiecewiseConstant::new(
+        &[-9.0, -1.0, 0.5, 2.0, 2.25, 7.0, 8.0], &[0.0, 1.0, 0.0, 0.5, 2.0, 0.0]
+    ), splits: vec![0.5, 2.0, 2.25];
+    piecewise_ratios: PiecewiseConstant::new(&[0.0, 1.0, 2.0, 3.0], &[1e-200, 1.0, 1e-100]),
+        splits: vec![1.0, 2.0];
+    piecewise_edges_of_all_sizes: PiecewiseConstant::new(&[0.0, 1e-300, 1.0, 1e290], &[1.0, 2.0, 1.0]),
+        splits: vec![1e-300, 1.0], tail_from: 1e-15;
+    piecewise_table: PiecewiseConstant::tabulate(0.0, FRAC_PI_2, 16, f64::sin),
+        splits: (1..16).map(|k| FRAC_PI_2 * (f64::from(k) / 16.0)).collect();
+    piecewise_one_ulp: PiecewiseConstant::new(&[1.0, 1.0 + f64::EPSILON], &[1.0]), resolved: false;
+}
+
+/// The closures of p = sin x on \[0, π/2\], without cancellation at 0.
+fn sine() -> Result<FnTechnique<F, F, F>, mis::ArgumentError> {
+    FnTechnique::new(
+        [0.0, FRAC_PI_2],
+        f64::sin,
+        |x| 2.0 * (0.5 * x).sin().powi(2),
+        |u| 2.0 * (0.5 * u).sqrt().asin(),
+    )
+}
+
+type F = fn(f64) -> f64;
+
+const WHOLE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
+fn numeric_cauchy() -> Result<NumericInverse<F, F, F>, mis::ArgumentError> {
+    let pdf: F = |x| FRAC_1_PI / (1.0 + x * x);
+    let cdf: F = |x| FRAC_1_PI * 1.0_f64.atan2(-x);
+    let survival: F = |x| FRAC_1_PI * 1.0_f64.atan2(x);
+    Ok(NumericInverse::new(WHOLE, pdf, cdf)?.with_survival(survival))
+}
+
+fn numeric_normal() -> Result<NumericInverse<F, F, F>, mis::ArgumentError> {
+    let pdf: F = |x| (-0.5 * x * x).exp() * (0.5 * FRAC_1_PI).sqrt();
+    let cdf: F = |x| 0.5 * libm::erfc(-x * FRAC_1_SQRT_2);
+    let survival: F = |x| 0.5 * libm::erfc(x * FRAC_1_SQRT_2);
+    Ok(NumericInverse::new(WHOLE, pdf, cdf)?.with_survival(survival))
+}
+
+// Closures without a survival function have the precision of 1 - P in the upper tail.
+laws! {
+    fn_cosine: FnTechnique::new([0.0, FRAC_PI_2], f64::cos, f64::sin, f64::asin), tail: 1e-12,
+        tail_from: 9e-4;
+    fn_sine: sine(), tail_from: 9e-4;
+    numeric_raised_cosine: NumericInverse::new(
+        [0.0, 2.0 * FRAC_PI_2],
+        |x: f64| FRAC_1_PI * (1.0 + x.cos()),
+        |x: f64| FRAC_1_PI * (x + x.sin()),
+    ), tail_from: 9e-4;
+    numeric_cauchy: numeric_cauchy();
+    numeric_normal: numeric_normal();
+    numeric_pole: NumericInverse::new([0.0, 1.0], |x: f64| 0.25 * x.powf(-0.75), |x: f64| x.powf(0.25)),
+        tail_from: 9e-4;
+}
+
+laws! {
+    affine: Affine::new(Uniform::unit(), 3.0, 0.1);
+    affine_mirrored: Affine::new(sine().unwrap(), 0.0, -2.5), tail_from: 9e-4;
+    affine_normal: Affine::new(numeric_normal().unwrap(), 0.0, -1e100);
+    affine_of_affine: Affine::new(Affine::new(Uniform::unit(), 1.0, -1.0).unwrap(), -5.0, 1e-3);
+    truncated_uniform: Truncated::new(Uniform::new(-1.0, 3.0).unwrap(), 0.25, 10.0), tail_from: 9e-4;
+    truncated_steps: Truncated::new(
+        PiecewiseConstant::new(&[0.0, 1.0, 2.0, 3.0], &[1.0, 0.0, 3.0]).unwrap(), 0.5, 2.75
+    ), splits: vec![1.0, 2.0];
+    truncated_upper_tail: Truncated::new(numeric_normal().unwrap(), 8.0, 9.0), tail_from: 9e-4;
+    truncated_lower_tail: Truncated::new(numeric_normal().unwrap(), f64::NEG_INFINITY, -8.0), tail_from: 9e-4;
+    truncated_across: Truncated::new(numeric_normal().unwrap(), -1.5, f64::INFINITY), tail_from: 9e-4;
+    truncated_nothing: Truncated::new(numeric_cauchy().unwrap(), f64::NEG_INFINITY, f64::INFINITY);
+}
+
+#[test]
+fn product_of_two_and_three() {
+    let p = Product::new([numeric_normal().unwrap(), numeric_normal().unwrap()]).unwrap();
+    let normal = numeric_normal().unwrap();
+    check_points(&p, &[&normal, &normal], &|x| [x[0], x[1]], 100_000, 1e-12);
+
+    let (steps, sine) = (steps(), sine().unwrap());
+    let unit = Uniform::unit();
+    let coordinates: [&dyn InverseCdf; 3] = [&steps, &sine, &unit];
+    let p = Product::new(coordinates).unwrap();
+    check_points(&p, &coordinates, &|x| [x[0], x[1], x[2]], 100_000, 1e-12);
+}
+
+#[test]
+fn product_of_run_time_length() {
+    let coordinates: Vec<Box<dyn InverseCdf>> = vec![
+        Box::new(Uniform::unit()),
+        Box::new(sine().unwrap()),
+        Box::new(steps()),
+    ];
+    let p = ProductVec::new(coordinates).unwrap();
+    let marginals: [&dyn InverseCdf; 3] = [&Uniform::unit(), &sine().unwrap(), &steps()];
+    check_points(&p, &marginals, &|x| x.to_vec(), 100_000, 1e-12);
+}
+
+#[test]
+fn product_in_a_thousand_dimensions() {
+    let side = Uniform::new(0.0, 10.0).unwrap();
+    let p = ProductVec::new(vec![side; 1000]).unwrap();
+    let marginals = vec![&side as &dyn InverseCdf; 1000];
+    check_points(&p, &marginals, &|x| x.to_vec(), 1000, 0.0);
+}
+
+#[test]
+fn uniform_box() {
+    let p = UniformBox::uniform([0.0, -1e9, 1e-9], [1e-300, 1e9, 2e-9]).unwrap();
+    let [a, b, c] = *p.coordinates();
+    check_points(&p, &[&a, &b, &c], &|x| [x[0], x[1], x[2]], 100_000, 1e-12);
+    let p = ProductVec::uniform(&[0.0, -1.0], &[1.0, 3.0]).unwrap();
+    let (a, b) = (p.coordinates()[0], p.coordinates()[1]);
+    check_points(&p, &[&a, &b], &|x| x.to_vec(), 100_000, 1e-12);
+}
+
+/// A mixture on the line: its CDF is the mixture of the CDFs.
+#[test]
+fn mixture_on_the_line() {
+    let parts = [
+        (Uniform::new(0.0, 4.0).unwrap(), 0.5),
+        (Uniform::new(1.0, 2.0).unwrap(), 0.0),
+        (Uniform::new(3.0, 3.5).unwrap(), 0.3),
+        (Uniform::new(-7.0, -6.0).unwrap(), 0.2),
+    ];
+    let p = Mixture::new(parts.to_vec()).unwrap();
+    let xis = canonical_numbers(4, 2 * 100_000);
+    let mut xs = Vec::new();
+    p.sample_batch(&xis, &mut xs);
+    let mut pdfs = vec![0.0; xs.len()];
+    p.pdf_batch(&xs, &mut pdfs);
+    for (x, pdf) in xs.iter().zip(&pdfs) {
+        assert!(*pdf > 0.0 && pdf.to_bits() == p.pdf(x).to_bits());
+        assert!((p.ln_pdf(x) - pdf.ln()).abs() <= 8.0 * f64::EPSILON * pdf.ln().abs().max(1.0));
+    }
+    let cdf = |x: f64| parts.iter().map(|(part, p)| p * part.cdf(x)).sum::<f64>();
+    let edges: Vec<f64> = (0..=44).map(|k| -7.0 + 0.25 * f64::from(k)).collect();
+    let masses: Vec<f64> = edges.windows(2).map(|e| cdf(e[1]) - cdf(e[0])).collect();
+    let densities = edges
+        .windows(2)
+        .map(|e| (e[1] - e[0]) * p.pdf(&(0.5 * (e[0] + e[1]))));
+    assert!(
+        masses
+            .iter()
+            .zip(densities)
+            .all(|(m, d)| (m - d).abs() <= 4.0 * f64::EPSILON)
+    );
+    chi_squared(
+        &masses,
+        xs.iter().map(|x| edges.partition_point(|e| e <= x) - 1),
+    );
+    kolmogorov(&mut xs.iter().map(|&x| cdf(x)).collect::<Vec<f64>>());
+}
+
+fn steps() -> PiecewiseConstant {
+    PiecewiseConstant::new(&[0.0, 0.5, 2.0, 3.0], &[1.0, 0.0, 3.0]).unwrap()
+}
+
+/// The laws of distributions of `statrs`, with the bound that [`Statrs`] states.
+macro_rules! statrs_laws {
+    ($($name:ident: $type:ident($($argument:expr),*) $(, $field:ident: $value:expr)*;)*) => {
+        laws! {$(
+            $name: Statrs::new(statrs::distribution::$type::new($($argument),*).unwrap()),
+                round_trip: 2000.0 $(, $field: $value)*;
+        )*}
+    };
+}
+
+statrs_laws! {
+    statrs_normal: Normal(1.0, 2.0);
+    statrs_log_normal: LogNormal(0.5, 1.0);
+    statrs_gamma: Gamma(2.5, 3.0);
+    statrs_erlang: Erlang(4, 2.0);
+    statrs_exp: Exp(0.5), tail_from: 9e-4;
+    statrs_chi_squared: ChiSquared(3.0);
+    statrs_chi: Chi(4);
+    statrs_beta: Beta(2.0, 5.0);
+    statrs_students_t: StudentsT(0.5, 2.0, 3.0);
+    statrs_fisher_snedecor: FisherSnedecor(5.0, 7.0), tail_from: 1e-12;
+    statrs_weibull: Weibull(1.5, 2.0);
+    statrs_gumbel: Gumbel(1.0, 2.0);
+    statrs_laplace: Laplace(-1.0, 3.0);
+    statrs_triangular: Triangular(0.0, 2.0, 0.5);
+    statrs_pareto: Pareto(2.0, 1.5), tail_from: 9e-4;
+    statrs_inverse_gamma: InverseGamma(2.0, 3.0);
+    statrs_levy: Levy(0.0, 1.0), tail_from: 1e-149;
+    statrs_cauchy: Cauchy(0.0, 2.0), tail_from: 9e-4;
+}
+
 laws! {
     linear: Linear::new(-1.0, 3.0, 1.0, 2.0);
     linear_up: Linear::new(0.0, 1.0, 0.0, 1.0);

@@ -157,6 +157,15 @@ where
             f64::NAN
         }
     }
+
+    fn inverse_survival(&self, v: f64) -> f64 {
+        // 1 - v may round into the unit interval.
+        if (0.0..=1.0).contains(&v) {
+            self.inverse_cdf(1.0 - v)
+        } else {
+            f64::NAN
+        }
+    }
 }
 
 #[cfg(test)]
@@ -172,7 +181,9 @@ mod tests {
         assert_eq!((p.cdf(-3.0), p.cdf(0.25), p.cdf(3.0)), (0.0, 0.25, 1.0));
         assert_eq!((p.sample(&[0.9]), p.inverse_cdf(0.9)), (1.0, 1.0));
         assert_eq!((p.ln_pdf(&2.0), p.pdf(&f64::NAN)), (f64::NEG_INFINITY, 0.0));
-        assert!(p.inverse_cdf(-0.1).is_nan() && p.inverse_cdf(f64::NAN).is_nan());
+        for v in [-0.1, -5e-324, 1.1, f64::NAN] {
+            assert!(p.inverse_cdf(v).is_nan() && p.inverse_survival(v).is_nan());
+        }
         assert!(p.sample(&[]).is_nan() && p.cdf(f64::NAN).is_nan());
     }
 
