@@ -1,7 +1,9 @@
-//! What can be wrong with an argument.
+//! What can be wrong with an argument, and with a sample.
 
 use std::borrow::Cow;
 use std::fmt::{Debug, Display};
+
+use crate::points::PointsExhausted;
 
 /// An argument that breaks a rule: whose argument, which one, its value, and the rule.
 ///
@@ -64,6 +66,86 @@ impl ArgumentError {
     }
 }
 
+/// An estimator that had to stop: for what the integrand or a technique did at a sample, or for
+/// want of points.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EstimateError {
+    /// The integrand is infinite or NaN.
+    #[error(
+        "the integrand is {value} at sample {sample} of technique {technique}, x = {point}; it \
+         must be finite"
+    )]
+    Value {
+        /// The technique that drew the sample.
+        technique: usize,
+        /// The sample's index.
+        sample: u64,
+        /// The point, as `Debug` prints it.
+        point: String,
+        /// The value, as `Debug` prints it.
+        value: String,
+    },
+    /// A pdf is 0 or infinite at its own technique's sample, or negative or NaN at any sample.
+    #[error(
+        "the pdf of technique {technique} is {pdf} at sample {sample} of technique {sampled_by}, \
+         x = {point}; a pdf must be at least 0, and finite and greater than 0 at its own samples"
+    )]
+    Density {
+        /// The technique whose pdf it is.
+        technique: usize,
+        /// The technique that drew the sample.
+        sampled_by: usize,
+        /// The sample's index.
+        sample: u64,
+        /// The point, as `Debug` prints it.
+        point: String,
+        /// The pdf.
+        pdf: f64,
+    },
+    /// The integrand is finite, but divided by the density it is not.
+    #[error(
+        "the contribution of sample {sample} of technique {technique} is {contribution}, \
+         x = {point}; it must be within the range of f64"
+    )]
+    Contribution {
+        /// The technique that drew the sample.
+        technique: usize,
+        /// The sample's index.
+        sample: u64,
+        /// The point, as `Debug` prints it.
+        point: String,
+        /// The contribution, times the number of samples.
+        contribution: f64,
+    },
+    /// The point source ran out.
+    #[error(transparent)]
+    Points(#[from] PointsExhausted),
+}
+
+/// What is wrong with a sample.
+#[derive(Debug)]
+pub(crate) enum Fault {
+    Value(String),
+    Density { of: usize, pdf: f64 },
+    Contribution(f64),
+}
+
+impl EstimateError {
+    pub(crate) fn new(technique: usize, sample: u64, x: &impl Debug, fault: Fault) -> Self {
+        let point = format!("{x:?}");
+        match fault {
+            Fault::Value(value) => Self::Value { technique, sample, point, value },
+            Fault::Density { of, pdf } => {
+                Self::Density { technique: of, sampled_by: technique, sample, point, pdf }
+            }
+            Fault::Contribution(contribution) => {
+                Self::Contribution { technique, sample, point, contribution }
+            }
+        }
+    }
+}
+
 /// `value`, if it is finite.
 pub(crate) fn finite(
     owner: &'static str,
@@ -73,12 +155,7 @@ pub(crate) fn finite(
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(ArgumentError::new(
-            owner,
-            argument,
-            value,
-            "it must be finite",
-        ))
+        Err(ArgumentError::new(owner, argument, value, "it must be finite"))
     }
 }
 
@@ -91,12 +168,7 @@ pub(crate) fn positive(
     if value.is_finite() && value > 0.0 {
         Ok(value)
     } else {
-        Err(ArgumentError::new(
-            owner,
-            argument,
-            value,
-            "it must be finite and greater than 0",
-        ))
+        Err(ArgumentError::new(owner, argument, value, "it must be finite and greater than 0"))
     }
 }
 

@@ -4,8 +4,21 @@
 //! density p that the map produces. In other fields it is called a strategy, channel, proposal or
 //! importance distribution.
 
+mod affine;
+mod fn_technique;
+mod invert;
+mod numeric_inverse;
+mod piecewise;
+mod product;
+mod truncated;
 mod uniform;
 
+pub use affine::Affine;
+pub use fn_technique::FnTechnique;
+pub use numeric_inverse::NumericInverse;
+pub use piecewise::PiecewiseConstant;
+pub use product::{Product, ProductVec, UniformBox};
+pub use truncated::Truncated;
 pub use uniform::Uniform;
 
 /// A sampleable pdf: a map from canonical numbers to points, and the density that the map

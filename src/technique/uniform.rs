@@ -59,11 +59,7 @@ impl Technique for Uniform {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if self.a <= *x && *x <= self.b {
-            (self.b - self.a).recip()
-        } else {
-            0.0
-        }
+        if self.a <= *x && *x <= self.b { (self.b - self.a).recip() } else { 0.0 }
     }
 }
 
@@ -78,11 +74,7 @@ impl InverseCdf for Uniform {
         }
         // From the nearer end, so that neither end is overshot by rounding.
         let width = self.b - self.a;
-        if u < 0.5 {
-            self.a + u * width
-        } else {
-            self.b - (1.0 - u) * width
-        }
+        if u < 0.5 { self.a + u * width } else { self.b - (1.0 - u) * width }
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -94,10 +86,6 @@ impl InverseCdf for Uniform {
             return f64::NAN;
         }
         let width = self.b - self.a;
-        if v < 0.5 {
-            self.b - v * width
-        } else {
-            self.a + (1.0 - v) * width
-        }
+        if v < 0.5 { self.b - v * width } else { self.a + (1.0 - v) * width }
     }
 }

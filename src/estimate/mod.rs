@@ -1,0 +1,253 @@
+//! Estimates: a value, its error, and where both come from.
+
+mod display;
+mod interval;
+
+pub use interval::Interval;
+
+use std::marker::PhantomData;
+
+use crate::error::ArgumentError;
+use crate::integrand::Value;
+use crate::moments::Moments;
+
+/// The result of an estimator.
+///
+/// `V` is the integrand's value type; what concerns a component is given once for each,
+/// as a number for scalar integrands, as an array for arrays.
+///
+/// `Display` prints the value with its standard error in brackets, in units of the last digits:
+/// `0.50012(21)` is 0.50012 ± 0.00021; `0.5(?)` has an unknown error. A precision sets the digits of
+/// the error: `{:.1}` prints `0.5001(2)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate<V = f64> {
+    design: Design,
+    /// How many samples each technique drew.
+    samples: Vec<u64>,
+    /// One for each component of each technique, the technique's side by side; of contributions
+    /// times the number of all samples, so that the estimate is their mean.
+    moments: Vec<Moments>,
+    counts: Counts,
+    value: PhantomData<V>,
+}
+
+/// What the numbers of samples were.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Design {
+    /// Fixed for each technique: the variances within techniques add.
+    Stratified,
+    /// Random: all contributions are one sample of the same variable.
+    Pooled,
+}
+
+/// Contributions that call for attention.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Counts {
+    pub(crate) zero: u64,
+    pub(crate) uncovered: u64,
+    pub(crate) non_finite: u64,
+}
+
+/// What one technique did for an estimate.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TechniqueSummary<V: Value = f64> {
+    /// How many samples it drew.
+    pub samples: u64,
+    /// The part of the value that its samples contribute; `None` where the value is 0.
+    pub share_of_value: V::Each<Option<f64>>,
+    /// The part of the variance that it is responsible for; `None` where the variance is unknown
+    /// or 0.
+    pub share_of_variance: V::Each<Option<f64>>,
+}
+
+/// The largest contribution to one component of an estimate.
+///
+/// If its share of the value is not small, the samples have hardly found what there is to find, and
+/// neither the value nor its error is to be believed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Largest {
+    /// The technique that drew the sample.
+    pub technique: usize,
+    /// The sample's index, counted within the technique (multi-sample) or over all samples
+    /// (one-sample).
+    pub sample: u64,
+    /// The contribution; the estimate is the sum of all of them.
+    pub contribution: f64,
+}
+
+impl<V: Value> Estimate<V> {
+    pub(crate) fn new(
+        design: Design,
+        samples: Vec<u64>,
+        moments: Vec<Moments>,
+        counts: Counts,
+    ) -> Self {
+        Self { design, samples, moments, counts, value: PhantomData }
+    }
+
+    /// The estimate of ∫ f.
+    #[must_use]
+    pub fn value(&self) -> V::Each<f64> {
+        V::each(|c| self.value_of(c))
+    }
+
+    /// The standard error: an estimate of the value's standard deviation.
+    ///
+    /// - Multi-sample: √(Σ α_i² s_i² / n_i), with α_i = n_i / N and s_i² the sample variance of
+    ///   technique i's contributions times N.
+    /// - One-sample: √(s² / N), over all contributions.
+    ///
+    /// `None` where it cannot be known: a technique drew a single sample, or every
+    /// contribution is 0.
+    #[must_use]
+    pub fn standard_error(&self) -> V::Each<Option<f64>> {
+        V::each(|c| self.error_of(c))
+    }
+
+    /// The variance of the value, the square of the [standard error](Estimate::standard_error);
+    /// it may over- or underflow where the standard error does not.
+    #[must_use]
+    pub fn variance(&self) -> V::Each<Option<f64>> {
+        V::each(|c| self.error_of(c).map(|e| e * e))
+    }
+
+    /// The confidence interval at `level`, such as 0.95, from Student's t distribution: the
+    /// value ± t · standard error. The whole line where the standard error is unknown.
+    ///
+    /// The degrees of freedom are N - 1 (one-sample) or those of Welch and Satterthwaite,
+    /// V² / Σ v_i² / (n_i - 1) for V = Σ v_i (multi-sample). The interval holds its level where
+    /// the mean of contributions is close to normal; strongly skewed contributions need many
+    /// samples for that.
+    ///
+    /// Source: F. E. Satterthwaite, *An Approximate Distribution of Estimates of Variance
+    /// Components*, 1946, doi:10.2307/3002019.
+    ///
+    /// # Errors
+    ///
+    /// `level` must be greater than 0 and less than 1.
+    pub fn interval(&self, level: f64) -> Result<V::Each<Interval>, ArgumentError> {
+        if !(level > 0.0 && level < 1.0) {
+            let rule = "it must be greater than 0 and less than 1";
+            return Err(ArgumentError::new("Estimate::interval", "level", level, rule));
+        }
+        Ok(V::each(|c| {
+            let error = self.error_of(c).map(|error| (error, self.degrees_of_freedom(c, error)));
+            Interval::student(self.value_of(c), error, level)
+        }))
+    }
+
+    /// How many samples were drawn in all.
+    #[must_use]
+    pub fn samples(&self) -> u64 {
+        self.samples.iter().sum()
+    }
+
+    /// What each technique did, in the order in which they were given.
+    pub fn techniques(&self) -> impl ExactSizeIterator<Item = TechniqueSummary<V>> {
+        (0..self.samples.len()).map(|i| TechniqueSummary {
+            samples: self.samples[i],
+            share_of_value: V::each(|c| {
+                let value = self.value_of(c);
+                (value != 0.0).then(|| self.alpha(i) * self.of(i, c).mean / value)
+            }),
+            share_of_variance: V::each(|c| {
+                let error = self.error_of(c).filter(|error| *error > 0.0)?;
+                Some((self.error_from(i, c) / error).powi(2))
+            }),
+        })
+    }
+
+    /// How many contributions are 0 (in every component).
+    #[must_use]
+    pub fn zero(&self) -> u64 {
+        self.counts.zero
+    }
+
+    /// How many samples were at points that, by its pdf, their own technique does not cover. They
+    /// count as 0; by default, one is an error instead (see [`OnFault`](crate::OnFault)).
+    #[must_use]
+    pub fn uncovered(&self) -> u64 {
+        self.counts.uncovered
+    }
+
+    /// How many samples had a value or a contribution that is not finite. They count as 0; by
+    /// default, one is an error instead (see [`OnFault`](crate::OnFault)).
+    #[must_use]
+    pub fn non_finite(&self) -> u64 {
+        self.counts.non_finite
+    }
+
+    /// The contribution of the largest magnitude; `None` if all are 0.
+    #[must_use]
+    pub fn largest(&self) -> V::Each<Option<Largest>> {
+        let total = self.samples() as f64;
+        V::each(|c| {
+            let mut largest: Option<Largest> = None;
+            for technique in 0..self.samples.len() {
+                let moments = self.of(technique, c);
+                let contribution = moments.largest / total;
+                if contribution.abs() > largest.map_or(0.0, |l| l.contribution.abs()) {
+                    largest = Some(Largest { technique, sample: moments.largest_at, contribution });
+                }
+            }
+            largest
+        })
+    }
+
+    /// Moments of technique `i`, component `c`.
+    fn of(&self, i: usize, c: usize) -> &Moments {
+        &self.moments[i * V::COMPONENTS + c]
+    }
+
+    /// n_i / N.
+    fn alpha(&self, i: usize) -> f64 {
+        self.samples[i] as f64 / self.samples() as f64
+    }
+
+    fn value_of(&self, c: usize) -> f64 {
+        (0..self.samples.len()).map(|i| self.alpha(i) * self.of(i, c).mean).sum()
+    }
+
+    fn error_of(&self, c: usize) -> Option<f64> {
+        let techniques = 0..self.samples.len();
+        let known = match self.design {
+            Design::Stratified => self.samples.iter().all(|n| *n != 1),
+            Design::Pooled => self.samples() > 1,
+        };
+        let signal = techniques.clone().any(|i| self.of(i, c).largest != 0.0);
+        // Squares of the parts over the largest of them: no over- or underflow.
+        let parts = techniques.map(|i| self.error_from(i, c));
+        let largest = parts.clone().fold(0.0, f64::max);
+        if !(known && signal) {
+            None
+        } else if largest == 0.0 {
+            Some(0.0)
+        } else {
+            Some(largest * parts.map(|part| (part / largest).powi(2)).sum::<f64>().sqrt())
+        }
+    }
+
+    /// Technique `i`'s part of the standard error; the parts add as squares.
+    fn error_from(&self, i: usize, c: usize) -> f64 {
+        match self.design {
+            Design::Stratified => self.alpha(i) * self.of(i, c).standard_error().unwrap_or(0.0),
+            Design::Pooled => {
+                let n = self.samples() as f64;
+                self.of(i, c).deviation_from(self.value_of(c)) / (n * (n - 1.0)).sqrt()
+            }
+        }
+    }
+
+    fn degrees_of_freedom(&self, c: usize, error: f64) -> f64 {
+        match self.design {
+            Design::Stratified if error > 0.0 => (0..self.samples.len())
+                .filter(|i| self.samples[*i] > 1)
+                .map(|i| (self.error_from(i, c) / error).powi(4) / (self.samples[i] - 1) as f64)
+                .sum::<f64>()
+                .recip(),
+            _ => (self.samples() - 1) as f64,
+        }
+    }
+}

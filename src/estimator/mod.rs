@@ -1,0 +1,101 @@
+//! Estimators: techniques and a weighting, applied to an integrand.
+
+mod kernel;
+mod multi_sample;
+mod one_sample;
+
+pub use kernel::{OnFault, Sample};
+pub use multi_sample::MultiSample;
+pub use one_sample::OneSample;
+
+use std::fmt::Debug;
+
+use crate::error::{ArgumentError, EstimateError};
+use crate::estimate::Estimate;
+use crate::integrand::Integrand;
+use crate::points::{PointSource, Random};
+use crate::technique::Technique;
+
+/// Estimates integrals: [`MultiSample`] or [`OneSample`].
+///
+/// `P` is the type of the points.
+pub trait Estimator<P: Debug> {
+    /// Estimates ∫ f from the canonical numbers of `points`, showing every sample to `inspect`.
+    ///
+    /// Histograms and derived observables are sums of the samples' contributions; the sum of them
+    /// all is the estimate, up to rounding. Samples come technique by technique.
+    ///
+    /// # Errors
+    ///
+    /// The integrand or a pdf is not what it must be at some sample (see [`OnFault`]), or the
+    /// points run out.
+    fn inspect<F, S, I>(
+        &self,
+        f: &F,
+        points: &S,
+        inspect: I,
+    ) -> Result<Estimate<F::Value>, EstimateError>
+    where
+        F: Integrand<P> + ?Sized,
+        S: PointSource + ?Sized,
+        I: FnMut(&Sample<'_, P, F::Value>);
+
+    /// Estimates ∫ f from the canonical numbers of `points`.
+    ///
+    /// # Errors
+    ///
+    /// As [`inspect`](Estimator::inspect).
+    fn estimate_from<F, S>(&self, f: &F, points: &S) -> Result<Estimate<F::Value>, EstimateError>
+    where
+        F: Integrand<P> + ?Sized,
+        S: PointSource + ?Sized,
+    {
+        self.inspect(f, points, |_| ())
+    }
+
+    /// Estimates ∫ f from random numbers. The same seed gives the same bits.
+    ///
+    /// # Errors
+    ///
+    /// As [`inspect`](Estimator::inspect).
+    fn estimate<F>(&self, f: &F, seed: u64) -> Result<Estimate<F::Value>, EstimateError>
+    where
+        F: Integrand<P> + ?Sized,
+    {
+        self.estimate_from(f, &Random::new(seed))
+    }
+}
+
+/// A technique behind a reference.
+type Dyn<'a, P> = &'a dyn Technique<Point = P>;
+
+/// There is a technique, each uses canonical numbers, and their points have one length.
+fn check_techniques<P>(
+    owner: &'static str,
+    techniques: &[Dyn<'_, P>],
+) -> Result<(), ArgumentError> {
+    if techniques.is_empty() {
+        return Err(ArgumentError::new(
+            owner,
+            "techniques",
+            Vec::<()>::new(),
+            "there must be at least one technique",
+        ));
+    }
+    let mut length = None;
+    for (i, technique) in techniques.iter().enumerate() {
+        if technique.dimension() == 0 {
+            let argument = format!("techniques[{i}].dimension()");
+            return Err(ArgumentError::new(owner, argument, 0, "it must be at least 1"));
+        }
+        if let Some(len) = technique.point_len() {
+            let (first, expected) = *length.get_or_insert((i, len));
+            if len != expected {
+                let argument = format!("techniques[{i}].point_len()");
+                let rule = format!("the points of technique {first} have {expected} coordinates");
+                return Err(ArgumentError::new(owner, argument, len, rule));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,130 @@
+//! The multi-sample estimator.
+
+use std::fmt::Debug;
+
+use super::kernel::{BLOCK, Kernel, OnFault, Sample};
+use super::{Dyn, Estimator, check_techniques};
+use crate::error::{ArgumentError, EstimateError};
+use crate::estimate::{Design, Estimate};
+use crate::integrand::Integrand;
+use crate::points::PointSource;
+use crate::technique::Technique;
+use crate::weighting::{Balance, Weighting};
+
+/// The multi-sample estimator: n_i samples from each technique i, combined by a weighting.
+///
+/// F = Σ_i 1/n_i Σ_j w_i(X_ij) f(X_ij) / p_i(X_ij), unbiased if Σ w_i = 1 wherever f ≠ 0 and w_i = 0
+/// wherever p_i = 0. Its variance is the sum of the techniques' variances, each divided by n_i.
+/// With a single technique it is plain importance sampling. A technique with no samples takes no
+/// part: its pdf is not evaluated.
+///
+/// ```
+/// use mis::{Estimator, MultiSample, technique::{PiecewiseConstant, Uniform}, weighting::Power};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let flat = Uniform::new(0.0, 1.0)?;
+/// let ramp = PiecewiseConstant::tabulate(0.0, 1.0, 4, |x| x)?;
+/// let mis = MultiSample::new(&[(&flat, 512), (&ramp, 512)])?.weighting(Power::squared())?;
+/// let estimate = mis.estimate(&|x: &f64| x.exp(), 1)?;
+/// assert!(estimate.interval(0.999)?.contains(1f64.exp() - 1.0));
+/// # Ok(())
+/// # }
+/// ```
+///
+/// Source: E. Veach and L. J. Guibas, *Optimally Combining Sampling Techniques for Monte Carlo
+/// Rendering*, SIGGRAPH 1995, doi:10.1145/218380.218498.
+pub struct MultiSample<'a, P, W = Balance> {
+    techniques: Vec<Dyn<'a, P>>,
+    samples: Vec<u64>,
+    /// n_i / N.
+    alpha: Vec<f64>,
+    weighting: W,
+    on_fault: OnFault,
+}
+
+impl<'a, P> MultiSample<'a, P> {
+    /// Techniques with their numbers of samples n_i, combined by the [balance heuristic](Balance).
+    ///
+    /// # Errors
+    ///
+    /// There must be at least one technique and one sample, at most 2⁵³ samples, and techniques
+    /// whose points have a run-time length must agree on it.
+    pub fn new(techniques: &[(&'a dyn Technique<Point = P>, u64)]) -> Result<Self, ArgumentError> {
+        let (techniques, samples): (Vec<Dyn<'a, P>>, Vec<u64>) = techniques.iter().copied().unzip();
+        check_techniques("MultiSample", &techniques)?;
+        // Counts are exact as f64 up to here.
+        let total = samples.iter().try_fold(0_u64, |sum, n| sum.checked_add(*n));
+        let Some(total) = total.filter(|total| (1..=1 << 53).contains(total)) else {
+            let rule = "their sum must be at least 1 and at most 2^53";
+            return Err(ArgumentError::new("MultiSample", "samples", samples, rule));
+        };
+        let alpha = samples.iter().map(|n| *n as f64 / total as f64).collect();
+        Ok(Self { techniques, samples, alpha, weighting: Balance, on_fault: OnFault::Error })
+    }
+}
+
+impl<'a, P, W> MultiSample<'a, P, W> {
+    /// The same techniques and samples, combined by another weighting.
+    ///
+    /// # Errors
+    ///
+    /// The weighting must fit the techniques (see [`Weighting::check`]).
+    pub fn weighting<U: Weighting>(
+        self,
+        weighting: U,
+    ) -> Result<MultiSample<'a, P, U>, ArgumentError> {
+        weighting.check(&self.alpha)?;
+        let Self { techniques, samples, alpha, on_fault, .. } = self;
+        Ok(MultiSample { techniques, samples, alpha, weighting, on_fault })
+    }
+
+    /// What to do with samples that have no usable contribution; an error by default.
+    #[must_use]
+    pub fn on_fault(self, on_fault: OnFault) -> Self {
+        Self { on_fault, ..self }
+    }
+}
+
+impl<P: Debug, W: Weighting> Estimator<P> for MultiSample<'_, P, W> {
+    fn inspect<F, S, I>(
+        &self,
+        f: &F,
+        points: &S,
+        mut inspect: I,
+    ) -> Result<Estimate<F::Value>, EstimateError>
+    where
+        F: Integrand<P> + ?Sized,
+        S: PointSource + ?Sized,
+        I: FnMut(&Sample<'_, P, F::Value>),
+    {
+        let kernel = Kernel {
+            techniques: &self.techniques,
+            alpha: &self.alpha,
+            density_factors: &self.alpha,
+            weighting: &self.weighting,
+            on_fault: self.on_fault,
+            total: self.samples.iter().sum(),
+        };
+        let (mut buffers, mut sums) = kernel.start();
+        for (i, (technique, n)) in self.techniques.iter().zip(&self.samples).enumerate() {
+            let dimension = technique.dimension();
+            for first in (0..*n).step_by(BLOCK) {
+                let rows = usize::try_from(n - first).map_or(BLOCK, |left| left.min(BLOCK));
+                buffers.xi.resize(rows * dimension, 0.0);
+                points.fill(i, first, dimension, &mut buffers.xi)?;
+                let index = |j: usize| first + j as u64;
+                kernel.block(i, index, f, &mut buffers, &mut sums, &mut inspect)?;
+            }
+        }
+        Ok(Estimate::new(Design::Stratified, self.samples.clone(), sums.moments(), sums.counts))
+    }
+}
+
+impl<P, W: Debug> Debug for MultiSample<'_, P, W> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MultiSample")
+            .field("samples", &self.samples)
+            .field("weighting", &self.weighting)
+            .field("on_fault", &self.on_fault)
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,192 @@
+//! The one-sample estimator.
+
+use std::fmt::Debug;
+
+use super::kernel::{BLOCK, Kernel, OnFault, Sample};
+use super::{Dyn, Estimator, check_techniques};
+use crate::discrete::Discrete;
+use crate::error::{ArgumentError, EstimateError};
+use crate::estimate::{Design, Estimate};
+use crate::integrand::Integrand;
+use crate::points::PointSource;
+use crate::technique::Technique;
+use crate::weighting::{Balance, Weighting};
+
+/// The one-sample estimator: each of N samples selects one technique at random and draws from it.
+///
+/// F = 1/N Σ_j w_i(x_j) f(x_j) / (P_i p_i(x_j)), where i is the technique that sample j selected,
+/// with probability P_i. Each sample uses one canonical number to select and the technique's own
+/// to draw, so its row of canonical numbers has 1 + the largest dimension.
+///
+/// By default the weights are made of the densities q_k = P_k p_k. The balance heuristic is then
+/// w_i = P_i p_i / Σ P_k p_k, and no other weights have a lower variance. With
+/// [`equal_factors`](OneSample::equal_factors) they are made of p_k alone.
+///
+/// Use it where one sample at a time is wanted, or as many techniques as samples. Where all
+/// techniques can be given samples of their own, [`MultiSample`](crate::MultiSample) has the lower
+/// variance.
+///
+/// ```
+/// use mis::{Estimator, OneSample, technique::{PiecewiseConstant, Uniform}};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let flat = Uniform::new(0.0, 1.0)?;
+/// let ramp = PiecewiseConstant::tabulate(0.0, 1.0, 4, |x| x)?;
+/// let mis = OneSample::new(&[(&flat, 0.25), (&ramp, 0.75)], 1024)?;
+/// let estimate = mis.estimate(&|x: &f64| x.exp(), 1)?;
+/// assert!(estimate.interval(0.999)?.contains(1f64.exp() - 1.0));
+/// # Ok(())
+/// # }
+/// ```
+///
+/// Source: E. Veach, *Robust Monte Carlo Methods for Light Transport Simulation*, PhD thesis,
+/// Stanford University, 1997, section 9.2.4.
+pub struct OneSample<'a, P, W = Balance> {
+    techniques: Vec<Dyn<'a, P>>,
+    probabilities: Vec<f64>,
+    selection: Discrete,
+    density_factors: Vec<f64>,
+    samples: u64,
+    weighting: W,
+    on_fault: OnFault,
+}
+
+impl<'a, P> OneSample<'a, P> {
+    /// Techniques with the probabilities P_i of selecting them, N = `samples`, and the
+    /// [balance heuristic](Balance).
+    ///
+    /// # Errors
+    ///
+    /// There must be at least one technique and one sample, at most 2⁵³ samples; probabilities
+    /// must be at least 0 and sum to 1 up to rounding; techniques whose points have a run-time
+    /// length must agree on it.
+    pub fn new(
+        techniques: &[(&'a dyn Technique<Point = P>, f64)],
+        samples: u64,
+    ) -> Result<Self, ArgumentError> {
+        let (techniques, probabilities): (Vec<Dyn<'a, P>>, Vec<f64>) =
+            techniques.iter().copied().unzip();
+        check_techniques("OneSample", &techniques)?;
+        if !(1..=1 << 53).contains(&samples) {
+            let rule = "it must be at least 1 and at most 2^53";
+            return Err(ArgumentError::new("OneSample", "samples", samples, rule));
+        }
+        let selection = Discrete::new("OneSample", "probabilities", &probabilities)?;
+        let density_factors = probabilities.clone();
+        let (weighting, on_fault) = (Balance, OnFault::Error);
+        Ok(Self {
+            techniques,
+            probabilities,
+            selection,
+            density_factors,
+            samples,
+            weighting,
+            on_fault,
+        })
+    }
+}
+
+impl<'a, P, W> OneSample<'a, P, W> {
+    /// The same selection, combined by another weighting.
+    ///
+    /// # Errors
+    ///
+    /// The weighting must fit the techniques (see [`Weighting::check`]).
+    pub fn weighting<U: Weighting>(
+        self,
+        weighting: U,
+    ) -> Result<OneSample<'a, P, U>, ArgumentError> {
+        weighting.check(&self.probabilities)?;
+        let Self { techniques, probabilities, selection, density_factors, .. } = self;
+        let (samples, on_fault) = (self.samples, self.on_fault);
+        Ok(OneSample {
+            techniques,
+            probabilities,
+            selection,
+            density_factors,
+            samples,
+            weighting,
+            on_fault,
+        })
+    }
+
+    /// Makes the weights of q_k = p_k, not of P_k p_k: the balance heuristic is then
+    /// w_i = p_i / Σ p_k, and a sample contributes f / (P_i Σ p_k).
+    ///
+    /// Unbiased as well, with a variance that is at least that of the default; equal to it if the
+    /// probabilities are.
+    #[must_use]
+    pub fn equal_factors(self) -> Self {
+        let density_factors =
+            self.probabilities.iter().map(|p| if *p > 0.0 { 1.0 } else { 0.0 }).collect();
+        Self { density_factors, ..self }
+    }
+
+    /// What to do with samples that have no usable contribution; an error by default.
+    #[must_use]
+    pub fn on_fault(self, on_fault: OnFault) -> Self {
+        Self { on_fault, ..self }
+    }
+}
+
+impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
+    fn inspect<F, S, I>(
+        &self,
+        f: &F,
+        points: &S,
+        mut inspect: I,
+    ) -> Result<Estimate<F::Value>, EstimateError>
+    where
+        F: Integrand<P> + ?Sized,
+        S: PointSource + ?Sized,
+        I: FnMut(&Sample<'_, P, F::Value>),
+    {
+        let kernel = Kernel {
+            techniques: &self.techniques,
+            alpha: &self.probabilities,
+            density_factors: &self.density_factors,
+            weighting: &self.weighting,
+            on_fault: self.on_fault,
+            total: self.samples,
+        };
+        let (mut buffers, mut sums) = kernel.start();
+        let dimension = 1 + self.techniques.iter().map(|t| t.dimension()).max().unwrap_or(0);
+        let mut rows = Vec::new();
+        let mut selected = Vec::with_capacity(BLOCK);
+        let mut samples = vec![0; self.techniques.len()];
+        for first in (0..self.samples).step_by(BLOCK) {
+            let n = usize::try_from(self.samples - first).map_or(BLOCK, |left| left.min(BLOCK));
+            rows.resize(n * dimension, 0.0);
+            points.fill(0, first, dimension, &mut rows)?;
+            for (i, technique) in self.techniques.iter().enumerate() {
+                let xi = &mut buffers.xi;
+                xi.clear();
+                selected.clear();
+                for (row, index) in rows.chunks_exact(dimension).zip(first..) {
+                    if self.selection.select(row[0]) == i {
+                        xi.extend_from_slice(&row[1..=technique.dimension()]);
+                        selected.push(index);
+                    }
+                }
+                if selected.is_empty() {
+                    continue;
+                }
+                samples[i] += selected.len() as u64;
+                let index = |j: usize| selected.get(j).copied().unwrap_or(u64::MAX);
+                kernel.block(i, index, f, &mut buffers, &mut sums, &mut inspect)?;
+            }
+        }
+        Ok(Estimate::new(Design::Pooled, samples, sums.moments(), sums.counts))
+    }
+}
+
+impl<P, W: Debug> Debug for OneSample<'_, P, W> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("OneSample")
+            .field("probabilities", &self.probabilities)
+            .field("density_factors", &self.density_factors)
+            .field("samples", &self.samples)
+            .field("weighting", &self.weighting)
+            .field("on_fault", &self.on_fault)
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,225 @@
+//! Integrands, and the values that they take.
+
+use std::fmt::Debug;
+
+/// A function f of a point, to be integrated.
+///
+/// Closures `|x: &P| value` are integrands. Write the argument's type out: the compiler cannot
+/// infer it.
+///
+/// A type of your own can implement the trait, for instance to evaluate a whole batch at once:
+///
+/// ```
+/// use mis::Integrand;
+///
+/// struct Tabulated(Vec<f64>);
+///
+/// impl Integrand<f64> for Tabulated {
+///     type Value = f64;
+///     fn eval(&self, x: &f64) -> f64 {
+///         self.0.get((x * self.0.len() as f64) as usize).copied().unwrap_or(0.0)
+///     }
+/// }
+/// ```
+pub trait Integrand<P> {
+    /// A number, or several that are integrated on the same samples.
+    type Value: Value;
+
+    /// f(x).
+    fn eval(&self, x: &P) -> Self::Value;
+
+    /// f at every point of `xs`, into `out` of the same length.
+    fn eval_batch(&self, xs: &[P], out: &mut [Self::Value]) {
+        for (f, x) in out.iter_mut().zip(xs) {
+            *f = self.eval(x);
+        }
+    }
+}
+
+impl<P, V: Value, F: Fn(&P) -> V> Integrand<P> for F {
+    type Value = V;
+
+    fn eval(&self, x: &P) -> V {
+        self(x)
+    }
+}
+
+/// What an integrand returns: `f64`, `[f64; K]` (a colour, several integrals), or [`LnValue`].
+///
+/// A value has components; each gets an estimate and an error of its own.
+pub trait Value: Clone + Debug {
+    /// How many components a value has.
+    const COMPONENTS: usize;
+
+    /// One `U` a component: `U` for a scalar, `[U; K]` for an array.
+    type Each<U>;
+
+    /// Collects what `of` says of each component, called in order.
+    fn each<U>(of: impl FnMut(usize) -> U) -> Self::Each<U>;
+
+    /// The value 0.
+    fn zero() -> Self;
+
+    /// Whether every component is finite.
+    fn is_finite(&self) -> bool;
+
+    /// A component times `factor`.
+    fn times(&self, component: usize, factor: f64) -> f64;
+
+    /// A component times exp(`ln_factor`), where the factor alone may leave the range of `f64`.
+    fn times_exp(&self, component: usize, ln_factor: f64) -> f64;
+}
+
+impl Value for f64 {
+    const COMPONENTS: usize = 1;
+    type Each<U> = U;
+
+    fn each<U>(mut of: impl FnMut(usize) -> U) -> U {
+        of(0)
+    }
+
+    fn zero() -> Self {
+        0.0
+    }
+
+    fn is_finite(&self) -> bool {
+        f64::is_finite(*self)
+    }
+
+    fn times(&self, _: usize, factor: f64) -> f64 {
+        self * factor
+    }
+
+    fn times_exp(&self, _: usize, ln_factor: f64) -> f64 {
+        if *self == 0.0 { 0.0 } else { (self.abs().ln() + ln_factor).exp().copysign(*self) }
+    }
+}
+
+impl<const K: usize> Value for [f64; K] {
+    const COMPONENTS: usize = K;
+    type Each<U> = [U; K];
+
+    fn each<U>(of: impl FnMut(usize) -> U) -> [U; K] {
+        std::array::from_fn(of)
+    }
+
+    fn zero() -> Self {
+        [0.0; K]
+    }
+
+    fn is_finite(&self) -> bool {
+        self.iter().all(|f| f.is_finite())
+    }
+
+    fn times(&self, component: usize, factor: f64) -> f64 {
+        self[component] * factor
+    }
+
+    fn times_exp(&self, component: usize, ln_factor: f64) -> f64 {
+        self[component].times_exp(0, ln_factor)
+    }
+}
+
+/// A number given by its sign and the logarithm of its magnitude, where the number itself would
+/// leave the range of `f64`.
+///
+/// A product of 1000 densities of about 0.1 is 10⁻¹⁰⁰⁰, which is 0 in `f64`; its logarithm is
+/// -2302.585. Together with techniques that give [`ln_pdf`](crate::Technique::ln_pdf), such an
+/// integrand is estimated like any other.
+///
+/// ```
+/// use mis::LnValue;
+/// let f = LnValue::positive(-2302.585);
+/// assert_eq!(f.ln_abs(), -2302.585);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LnValue {
+    sign: f64,
+    ln_abs: f64,
+}
+
+impl LnValue {
+    /// The positive number exp(`ln_abs`); negative infinity gives 0.
+    #[must_use]
+    pub fn positive(ln_abs: f64) -> Self {
+        Self { sign: 1.0, ln_abs }
+    }
+
+    /// The negative number -exp(`ln_abs`).
+    #[must_use]
+    pub fn negative(ln_abs: f64) -> Self {
+        Self { sign: -1.0, ln_abs }
+    }
+
+    /// The logarithm of the magnitude.
+    #[must_use]
+    pub fn ln_abs(&self) -> f64 {
+        self.ln_abs
+    }
+}
+
+impl Value for LnValue {
+    const COMPONENTS: usize = 1;
+    type Each<U> = U;
+
+    fn each<U>(mut of: impl FnMut(usize) -> U) -> U {
+        of(0)
+    }
+
+    fn zero() -> Self {
+        Self::positive(f64::NEG_INFINITY)
+    }
+
+    fn is_finite(&self) -> bool {
+        self.ln_abs < f64::INFINITY
+    }
+
+    fn times(&self, component: usize, factor: f64) -> f64 {
+        self.times_exp(component, factor.abs().ln()) * factor.signum()
+    }
+
+    fn times_exp(&self, _: usize, ln_factor: f64) -> f64 {
+        if self.ln_abs == f64::NEG_INFINITY {
+            0.0
+        } else {
+            self.sign * (self.ln_abs + ln_factor).exp()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Integrand, LnValue, Value};
+
+    #[test]
+    fn closures_of_scalars_and_arrays_are_integrands() {
+        fn eval<F: Integrand<f64>>(f: &F, x: f64) -> F::Value {
+            let mut out = [F::Value::zero()];
+            f.eval_batch(&[x], &mut out);
+            let [value] = out;
+            value
+        }
+        assert_eq!(eval(&|x: &f64| x + 1.0, 2.0), 3.0);
+        assert_eq!(eval(&|x: &f64| [*x, x * x], 3.0), [3.0, 9.0]);
+    }
+
+    #[test]
+    fn a_factor_beyond_the_range_is_applied_through_its_logarithm() {
+        let x = (1e-200_f64).times_exp(0, 1000.0 * std::f64::consts::LN_10 / 4.0);
+        assert!((x / 1e50 - 1.0).abs() < 1e-12, "{x}");
+        assert_eq!((-1e-200_f64).times_exp(0, 460.0).signum(), -1.0);
+        assert_eq!(0.0_f64.times_exp(0, f64::INFINITY), 0.0);
+        assert_eq!([2.0, 0.0].times_exp(1, f64::INFINITY), 0.0);
+        assert_eq!(LnValue::zero().times_exp(0, f64::INFINITY), 0.0);
+    }
+
+    #[test]
+    fn logarithmic_values_keep_their_sign() {
+        assert_eq!(LnValue::negative(0.0).times(0, 2.0), -2.0);
+        assert_eq!(LnValue::negative(0.0).times(0, -2.0), 2.0);
+        assert!((LnValue::positive(-2302.0).times_exp(0, 2302.0) - 1.0).abs() < 1e-15);
+        assert!(!LnValue::positive(f64::NAN).is_finite());
+        assert!(!LnValue::positive(f64::INFINITY).is_finite());
+        assert!(LnValue::positive(f64::NEG_INFINITY).is_finite());
+    }
+}

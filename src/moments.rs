@@ -1,0 +1,267 @@
+//! Running means and variances of contributions.
+
+/// Count, mean and squared deviations of the contributions y of one technique, one component.
+///
+/// A block is summed about its first element, in lanes, and corrected by the sum of the
+/// deviations (the two-pass formula); blocks merge by the update of T. F. Chan, G. H. Golub and R. J.
+/// LeVeque, *Algorithms for Computing the Sample Variance*, 1983, doi:10.1080/00031305.1983.10483115.
+/// Equal numbers so have a variance of exactly 0, and a large offset costs no digits. Sums are
+/// not compensated: an error of a few ULP of the largest contribution is far below the sampling
+/// error.
+///
+/// M2 is held in units of 4^`exponent`, so that contributions near the ends of the range of `f64`
+/// have a standard error although their variance is not representable.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Moments {
+    pub(crate) count: u64,
+    pub(crate) mean: f64,
+    m2: f64,
+    exponent: i32,
+    /// The largest |y|, signed, and the index of its sample (the first such).
+    pub(crate) largest: f64,
+    pub(crate) largest_at: u64,
+}
+
+const LANES: usize = 8;
+
+impl Moments {
+    /// The moments of a block; `index` numbers its samples.
+    pub(crate) fn of_block(ys: &[f64], index: impl Fn(usize) -> u64) -> Self {
+        let Some(first) = ys.first() else { return Self::default() };
+        let magnitude = largest_magnitude(ys);
+        // Within these bounds squares neither overflow nor lose a digit that matters.
+        let exponent = if magnitude == 0.0 || (1e-120..1e120).contains(&magnitude) {
+            0
+        } else {
+            libm::frexp(magnitude).1.clamp(-1020, 1020)
+        };
+        let unit = libm::ldexp(1.0, -exponent);
+        let shift = first * unit;
+        let sum = lanes(ys, |y| y * unit - shift);
+        let mean = sum / ys.len() as f64;
+        let m2 = lanes(ys, |y| {
+            let d = y * unit - shift - mean;
+            d * d
+        });
+        let at = ys.iter().position(|y| y.abs() == magnitude).unwrap_or(0);
+        Self {
+            count: ys.len() as u64,
+            mean: (shift + mean) / unit,
+            m2,
+            exponent,
+            largest: ys[at],
+            largest_at: index(at),
+        }
+    }
+
+    /// The moments of both sets of contributions together.
+    pub(crate) fn merge(self, other: Self) -> Self {
+        if self.count == 0 {
+            return other;
+        }
+        if other.count == 0 {
+            return self;
+        }
+        let (a, b) = (self.count as f64, other.count as f64);
+        let n = a + b;
+        // A set whose contributions are all 0 fits any unit.
+        let exponent = match (self.largest == 0.0, other.largest == 0.0) {
+            (true, _) => other.exponent,
+            (_, true) => self.exponent,
+            _ => self.exponent.max(other.exponent),
+        };
+        let unit = libm::ldexp(1.0, -exponent);
+        let delta = other.mean * unit - self.mean * unit;
+        let rescaled = |m: &Self| {
+            if m.exponent == exponent {
+                m.m2
+            } else {
+                libm::ldexp(m.m2, 2 * (m.exponent - exponent))
+            }
+        };
+        let larger = if other.largest.abs() > self.largest.abs() { &other } else { &self };
+        Self {
+            count: self.count + other.count,
+            mean: (self.mean * unit + delta * (b / n)) / unit,
+            m2: rescaled(&self) + rescaled(&other) + delta * delta * (a * b / n),
+            exponent,
+            largest: larger.largest,
+            largest_at: larger.largest_at,
+        }
+    }
+
+    /// s / √n, the standard error of the mean; unknown from fewer than two contributions.
+    pub(crate) fn standard_error(&self) -> Option<f64> {
+        if self.count < 2 {
+            return None;
+        }
+        let n = self.count as f64;
+        Some(libm::ldexp((self.m2 / (n - 1.0) / n).sqrt(), self.exponent))
+    }
+
+    /// √(Σ (y - m)²), the root of the squared deviations from a given m.
+    pub(crate) fn deviation_from(&self, m: f64) -> f64 {
+        let own = libm::ldexp(self.m2.sqrt(), self.exponent);
+        own.hypot((self.count as f64).sqrt() * (self.mean - m))
+    }
+}
+
+/// The largest |y|.
+fn largest_magnitude(ys: &[f64]) -> f64 {
+    let mut lane = [0.0_f64; LANES];
+    let mut chunks = ys.chunks_exact(LANES);
+    for chunk in &mut chunks {
+        for (m, y) in lane.iter_mut().zip(chunk) {
+            *m = if y.abs() > *m { y.abs() } else { *m };
+        }
+    }
+    lane.iter().chain(chunks.remainder()).fold(0.0, |m, y| y.abs().max(m))
+}
+
+/// Σ `term`(y) in eight lanes, added pairwise.
+fn lanes(ys: &[f64], term: impl Fn(f64) -> f64) -> f64 {
+    let mut lane = [0.0; LANES];
+    let mut chunks = ys.chunks_exact(LANES);
+    for chunk in &mut chunks {
+        for (s, y) in lane.iter_mut().zip(chunk) {
+            *s += term(*y);
+        }
+    }
+    for (s, y) in lane.iter_mut().zip(chunks.remainder()) {
+        *s += term(*y);
+    }
+    let [a, b, c, d, e, f, g, h] = lane;
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
+}
+
+/// Merges blocks in a fixed binary tree over their order, so that rounding errors grow with the
+/// logarithm of the number of blocks, and the bits depend on the blocks alone.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct MergeTree {
+    /// Complete subtrees, the largest first, with their levels.
+    nodes: Vec<(u32, Moments)>,
+}
+
+impl MergeTree {
+    pub(crate) fn push(&mut self, block: Moments) {
+        let (mut level, mut merged) = (0, block);
+        while let Some(&(_, left)) = self.nodes.last().filter(|node| node.0 == level) {
+            self.nodes.pop();
+            merged = left.merge(merged);
+            level += 1;
+        }
+        self.nodes.push((level, merged));
+    }
+
+    pub(crate) fn total(&self) -> Moments {
+        self.nodes.iter().rev().fold(Moments::default(), |right, node| node.1.merge(right))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MergeTree, Moments};
+
+    fn of(ys: &[f64]) -> Moments {
+        Moments::of_block(ys, |j| j as u64)
+    }
+
+    /// The sample variance, where it is representable.
+    fn variance(m: &Moments) -> f64 {
+        m.standard_error().unwrap().powi(2) * m.count as f64
+    }
+
+    #[test]
+    fn equal_numbers_have_variance_zero_and_their_own_mean() {
+        for y in [0.1, -0.1, 1e-320, 1e300, 1.0 / 3.0] {
+            let block = of(&vec![y; 250]);
+            assert_eq!((block.mean, block.standard_error()), (y, Some(0.0)));
+            let mut twice = block;
+            for _ in 0..24 {
+                twice = twice.merge(twice);
+            }
+            assert_eq!((twice.mean, twice.standard_error()), (y, Some(0.0)));
+            assert_eq!(twice.count, 250 << 24); // 4.2e9, beyond 2^32
+        }
+    }
+
+    #[test]
+    fn a_large_offset_costs_no_digits() {
+        let ys = [4.0, 7.0, 13.0, 16.0].map(|y| 1e9 + y);
+        assert_eq!(of(&ys).mean, 1e9 + 10.0);
+        assert_eq!(variance(&of(&ys)), 30.0);
+        let merged = of(&ys[..1]).merge(of(&ys[1..]));
+        assert!((variance(&merged) - 30.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn merging_equals_a_single_pass() {
+        let ys: Vec<f64> = (0..1000).map(|k| f64::from(k * k % 997) - 300.0).collect();
+        let whole = of(&ys);
+        for cut in [1, 8, 500, 999] {
+            let merged = of(&ys[..cut]).merge(Moments::of_block(&ys[cut..], |j| (cut + j) as u64));
+            assert!((merged.mean - whole.mean).abs() <= 1e-13 * 400.0);
+            assert!((variance(&merged) / variance(&whole) - 1.0).abs() < 1e-13);
+            assert_eq!(merged.largest_at, whole.largest_at);
+        }
+        let exact_mean = ys.iter().sum::<f64>() / 1000.0; // integers: exact
+        assert!((whole.mean - exact_mean).abs() < 1e-13 * 400.0);
+    }
+
+    #[test]
+    fn the_standard_error_survives_a_variance_beyond_the_range() {
+        for scale in [1e200, 1e-200, 1e300, 1e-300] {
+            let ys = [1.0, 2.0, 3.0, 4.0].map(|y| y * scale);
+            let expected = (5.0_f64 / 3.0 / 4.0).sqrt() * scale;
+            for m in [of(&ys), of(&ys[..2]).merge(of(&ys[2..]))] {
+                let error = m.standard_error().unwrap();
+                assert!((error / expected - 1.0).abs() < 1e-14, "{scale}: {error}");
+                assert!((m.mean / (2.5 * scale) - 1.0).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn zeros_fit_any_unit() {
+        let tiny = of(&[1e-200, 3e-200]);
+        let merged = of(&[0.0, 0.0]).merge(tiny);
+        // The squared deviations of (0, 0, 1, 3) from their mean, 1, sum to 6.
+        let exact = (6.0_f64 / 3.0 / 4.0).sqrt() * 1e-200;
+        assert!((merged.standard_error().unwrap() / exact - 1.0).abs() < 1e-14);
+        assert_eq!(tiny.merge(of(&[0.0])).count, 3);
+    }
+
+    #[test]
+    fn cancellation_stays_below_the_standard_error() {
+        let m = of(&[1.0, 1e100, 1.0, -1e100]);
+        assert!((m.mean - 0.5).abs() <= 1e-15 * m.standard_error().unwrap());
+    }
+
+    #[test]
+    fn one_contribution_has_no_standard_error() {
+        assert_eq!(of(&[3.0]).standard_error(), None);
+        assert_eq!(Moments::default().standard_error(), None);
+    }
+
+    #[test]
+    fn equal_terms_sum_to_rounding_error() {
+        let mut tree = MergeTree::default();
+        for _ in 0..1_000_000 / 250 {
+            tree.push(of(&[0.1; 250]));
+        }
+        assert_eq!(tree.total().mean, 0.1);
+        assert_eq!(tree.total().count, 1_000_000);
+    }
+
+    #[test]
+    fn the_tree_keeps_the_first_of_the_largest() {
+        let mut tree = MergeTree::default();
+        for k in 0..7_u64 {
+            tree.push(Moments::of_block(&[1.0, if k % 2 == 1 { -5.0 } else { 2.0 }], |j| {
+                2 * k + j as u64
+            }));
+        }
+        let total = tree.total();
+        assert_eq!((total.largest, total.largest_at, total.count), (-5.0, 3, 14));
+    }
+}

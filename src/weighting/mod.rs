@@ -1,0 +1,188 @@
+//! Weightings: how samples of several techniques share the integrand.
+//!
+//! At a point x, technique k has the effective density q_k = α_k p_k(x), α_k being its share of
+//! the samples. A weighting gives w_i(x), with Σ w_i = 1 wherever any q_k is positive, and
+//! w_i = 0 where q_i = 0. A sample of technique i contributes w_i f / q_i.
+//!
+//! Everything is computed from ratios r_k = q_k / max q, which lie in \[0, 1\]: no power or product
+//! of densities over- or underflows. Where a density itself leaves the range of `f64`, the
+//! estimators form the ratios from logarithms.
+//!
+//! | weighting | w_i | use |
+//! |---|---|---|
+//! | [`Balance`] | q_i / Σ q_k | the default; no other is much better |
+//! | [`Power`] | q_i^β / Σ q_k^β | one technique is nearly exact somewhere |
+//! | [`Cutoff`] | q_i / Σ q_k of those above α max q | the same |
+//! | [`Maximum`] | 1 for the largest q | the limit of the three above |
+//! | [`Constant`] | the same for every x | the cheapest: no other pdf is evaluated; every technique must cover f |
+//!
+//! Source: E. Veach and L. J. Guibas, *Optimally Combining Sampling Techniques for Monte Carlo
+//! Rendering*, SIGGRAPH 1995, doi:10.1145/218380.218498.
+
+mod balance;
+mod constant;
+mod cutoff;
+mod maximum;
+mod power;
+
+pub use balance::Balance;
+pub use constant::Constant;
+pub use cutoff::Cutoff;
+pub use maximum::Maximum;
+pub use power::Power;
+
+use crate::error::ArgumentError;
+
+/// A weighting heuristic.
+///
+/// The one required method works on the ratios at one point; [`weights`] shows the weights
+/// themselves.
+///
+/// ```
+/// use mis::weighting::{Weighting, weights};
+///
+/// /// Equal weights for all techniques that cover the point.
+/// struct Coverage;
+///
+/// impl Weighting for Coverage {
+///     fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64 {
+///         let covering = r.iter().filter(|r| **r > 0.0).count();
+///         1.0 / (covering as f64 * r[i])
+///     }
+/// }
+/// assert_eq!(weights(&Coverage, &[0.5, 0.0, 2.0]), Some(vec![0.5, 0.0, 0.5]));
+/// ```
+#[doc(alias("heuristic", "combination"))]
+pub trait Weighting: Sync {
+    /// w_i / r_i at a point where technique `i` has just drawn a sample, from all the ratios
+    /// r_k = q_k / max q (the largest is exactly 1).
+    ///
+    /// r_i may have underflowed to 0; the quotient is then the limit, if that is finite.
+    fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64;
+
+    /// ln(w_i / r_i), where r_i may have underflowed but `ln_r`\[i\] has not.
+    ///
+    /// Override it where the quotient grows without bound as r_i goes to 0.
+    fn ln_weight_over_ratio(&self, i: usize, ln_r: &[f64], r: &[f64]) -> f64 {
+        let _ = ln_r;
+        self.weight_over_ratio(i, r).ln()
+    }
+
+    /// w_i / q_i at every point of a block, into `out`; NaN where q leaves the range in which the
+    /// quotient is exact, for the estimator to turn to logarithms.
+    ///
+    /// `r` has room for the ratios at one point.
+    fn weight_over_density_batch(
+        &self,
+        i: usize,
+        q: &Densities<'_>,
+        r: &mut [f64],
+        out: &mut [f64],
+    ) {
+        for (j, out) in out.iter_mut().enumerate() {
+            let largest = q.ratios(j, r);
+            *out = if SAFE.contains(&largest) {
+                self.weight_over_ratio(i, r) / largest
+            } else {
+                f64::NAN
+            };
+        }
+    }
+
+    /// w_i, if the weights are the same at every point. Only p_i is then evaluated.
+    ///
+    /// `alpha` holds the techniques' shares of the samples; one with share 0 takes no part.
+    fn constant_weight(&self, i: usize, alpha: &[f64]) -> Option<f64> {
+        let _ = (i, alpha);
+        None
+    }
+
+    /// Whether the weighting fits techniques with these shares of the samples.
+    ///
+    /// # Errors
+    ///
+    /// It does not; a list of weights of another length, say.
+    fn check(&self, alpha: &[f64]) -> Result<(), ArgumentError> {
+        let _ = alpha;
+        Ok(())
+    }
+}
+
+/// Where the largest density has a reciprocal that is a normal number with room to spare.
+const SAFE: std::ops::Range<f64> = 1e-290..1e290;
+
+/// The effective densities q_k of all techniques at the points of a block.
+#[derive(Debug, Clone, Copy)]
+pub struct Densities<'a> {
+    q: &'a [f64],
+    points: usize,
+}
+
+impl<'a> Densities<'a> {
+    /// `q` holds a row of `points` densities for each technique.
+    pub(crate) fn new(q: &'a [f64], points: usize) -> Self {
+        Self { q, points: points.max(1) }
+    }
+
+    /// For each technique, its densities at all points of the block.
+    pub fn rows(&self) -> impl Iterator<Item = &'a [f64]> {
+        self.q.chunks_exact(self.points)
+    }
+
+    /// Puts the ratios q_k / max q at point `j` into `r`; returns max q.
+    fn ratios(&self, j: usize, r: &mut [f64]) -> f64 {
+        let mut largest = 0.0_f64;
+        for (r, row) in r.iter_mut().zip(self.rows()) {
+            *r = row[j];
+            largest = largest.max(*r);
+        }
+        for r in r {
+            *r /= largest;
+        }
+        largest
+    }
+}
+
+/// The weights w_i of a weighting at a point with effective densities `q`, or `None` if no
+/// technique covers the point (all q are 0) or a q is negative or NaN.
+///
+/// An infinite density takes all the weight; several share it as ties do.
+///
+/// ```
+/// use mis::weighting::{Balance, Power, weights};
+/// # fn main() -> Result<(), mis::ArgumentError> {
+/// assert_eq!(weights(&Balance, &[1.0, 3.0]), Some(vec![0.25, 0.75]));
+/// assert_eq!(weights(&Power::new(2.0)?, &[1e-170, 3e-170]), Some(vec![0.1, 0.9]));
+/// assert_eq!(weights(&Balance, &[0.0, 0.0]), None);
+/// # Ok(())
+/// # }
+/// ```
+#[must_use]
+pub fn weights<W: Weighting + ?Sized>(weighting: &W, q: &[f64]) -> Option<Vec<f64>> {
+    let largest = q.iter().try_fold(0.0, |m: f64, q| (*q >= 0.0).then(|| m.max(*q)))?;
+    if largest == 0.0 {
+        return None;
+    }
+    let r: Vec<f64> = q
+        .iter()
+        .map(|q| if largest.is_finite() { q / largest } else { f64::from(*q == largest) })
+        .collect();
+    let ln_r: Vec<f64> = q
+        .iter()
+        .zip(&r)
+        .map(|(q, r)| if largest.is_finite() { q.ln() - largest.ln() } else { r.ln() })
+        .collect();
+    let present = vec![1.0; q.len()];
+    let weight = |i: usize| {
+        if let Some(w) = weighting.constant_weight(i, &present) {
+            w
+        } else if q[i] == 0.0 {
+            0.0
+        } else if r[i] >= f64::MIN_POSITIVE {
+            weighting.weight_over_ratio(i, &r) * r[i]
+        } else {
+            (weighting.ln_weight_over_ratio(i, &ln_r, &r) + ln_r[i]).exp()
+        }
+    };
+    Some((0..q.len()).map(weight).collect())
+}
