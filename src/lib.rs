@@ -5,6 +5,8 @@ mod error;
 mod estimate;
 mod estimator;
 mod integrand;
+#[cfg(feature = "lighting")]
+pub mod lighting;
 mod moments;
 pub mod points;
 pub mod technique;

@@ -28,22 +28,13 @@ impl Surface {
         outgoing: Direction,
     ) -> Result<Self, ArgumentError> {
         if !position.is_finite() {
-            return Err(ArgumentError::new(
-                "Surface",
-                "position",
-                position,
-                "it must be finite",
-            ));
+            return Err(ArgumentError::new("Surface", "position", position, "it must be finite"));
         }
         if !(outgoing.cos(normal) > 0.0) {
             let rule = "it must be on the side of the normal";
             return Err(ArgumentError::new("Surface", "outgoing", outgoing, rule));
         }
-        Ok(Self {
-            position,
-            normal,
-            outgoing,
-        })
+        Ok(Self { position, normal, outgoing })
     }
 
     /// The point p.
@@ -93,10 +84,7 @@ impl<A: Bsdf, B: Bsdf<Value = A::Value>> Bsdf for (A, B) {
     type Value = A::Value;
 
     fn value(&self, surface: &Surface, incident: &Direction) -> Self::Value {
-        let (a, b) = (
-            self.0.value(surface, incident),
-            self.1.value(surface, incident),
-        );
+        let (a, b) = (self.0.value(surface, incident), self.1.value(surface, incident));
         Self::Value::each(|channel| a.times(channel, 1.0) + b.times(channel, 1.0))
     }
 

@@ -120,26 +120,15 @@ mod tests {
             let w = Direction::new(DVec3::new(angle.sin(), 0.0, angle.cos())).unwrap();
             let q = w.one_minus_cos(Direction::new(DVec3::Z).unwrap());
             let exact = 2.0 * (0.5 * angle).sin().powi(2);
-            assert!(
-                (q / exact - 1.0).abs() < 1e-15 + 1e-16 / angle,
-                "{angle}: {q}"
-            );
+            assert!((q / exact - 1.0).abs() < 1e-15 + 1e-16 / angle, "{angle}: {q}");
         }
     }
 
     #[test]
     fn the_frame_is_orthonormal_at_the_poles_too() {
-        for axis in [
-            DVec3::Z,
-            -DVec3::Z,
-            DVec3::new(1e-9, 0.0, -1.0),
-            DVec3::new(0.0, 1.0, -0.0),
-        ] {
+        for axis in [DVec3::Z, -DVec3::Z, DVec3::new(1e-9, 0.0, -1.0), DVec3::new(0.0, 1.0, -0.0)] {
             let frame = Frame::new(Direction::new(axis).unwrap());
-            assert!(
-                (frame.s.cross(frame.t) - frame.axis.0).length() < 4e-16,
-                "{axis}"
-            );
+            assert!((frame.s.cross(frame.t) - frame.axis.0).length() < 4e-16, "{axis}");
             assert!((frame.s.length() - 1.0).abs() < 4e-16);
             let w = frame.around(0.3, 0.9);
             assert!((w.one_minus_cos(frame.axis) - 0.3).abs() < 4e-16);

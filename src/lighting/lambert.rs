@@ -33,9 +33,7 @@ impl CosineHemisphere {
     /// The density about `normal`.
     #[must_use]
     pub fn new(normal: Direction) -> Self {
-        Self {
-            frame: Frame::new(normal),
-        }
+        Self { frame: Frame::new(normal) }
     }
 }
 
@@ -48,8 +46,7 @@ impl Technique for CosineHemisphere {
 
     fn sample(&self, xi: &[f64]) -> Direction {
         let u = canonical(xi, 0);
-        self.frame
-            .around(u / (1.0 + (1.0 - u).sqrt()), canonical(xi, 1))
+        self.frame.around(u / (1.0 + (1.0 - u).sqrt()), canonical(xi, 1))
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
@@ -72,13 +69,7 @@ impl<V: Spectrum> Lambert<V> {
     ///
     /// Every channel of `albedo` must be in \[0, 1\].
     pub fn new(albedo: V) -> Result<Self, ArgumentError> {
-        check_channels(
-            "Lambert",
-            "albedo",
-            &albedo,
-            1.0,
-            "every channel must be in [0, 1]",
-        )?;
+        check_channels("Lambert", "albedo", &albedo, 1.0, "every channel must be in [0, 1]")?;
         Ok(Self { albedo })
     }
 }
@@ -87,11 +78,7 @@ impl<V: Spectrum> Bsdf for Lambert<V> {
     type Value = V;
 
     fn value(&self, surface: &Surface, incident: &Direction) -> V {
-        if incident.cos(surface.normal()) > 0.0 {
-            self.albedo.scaled(FRAC_1_PI)
-        } else {
-            V::zero()
-        }
+        if incident.cos(surface.normal()) > 0.0 { self.albedo.scaled(FRAC_1_PI) } else { V::zero() }
     }
 
     fn techniques(&self, surface: &Surface) -> Vec<Box<dyn Technique<Point = Direction>>> {

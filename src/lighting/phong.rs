@@ -47,10 +47,7 @@ impl PhongLobe {
     /// `exponent` must be in \[0, 1e24\]: narrower lobes cannot be told from a mirror.
     pub fn new(axis: Direction, exponent: f64) -> Result<Self, ArgumentError> {
         check_exponent("PhongLobe", exponent)?;
-        Ok(Self {
-            frame: Frame::new(axis),
-            exponent,
-        })
+        Ok(Self { frame: Frame::new(axis), exponent })
     }
 
     /// ln cosⁿ α, or `None` where α > 90°.
@@ -118,10 +115,7 @@ impl<V: Spectrum> ModifiedPhong<V> {
     }
 
     fn lobe(&self, surface: &Surface) -> PhongLobe {
-        PhongLobe {
-            frame: Frame::new(surface.mirror()),
-            exponent: self.exponent,
-        }
+        PhongLobe { frame: Frame::new(surface.mirror()), exponent: self.exponent }
     }
 }
 
@@ -146,11 +140,6 @@ fn check_exponent(owner: &'static str, exponent: f64) -> Result<(), ArgumentErro
     if (0.0..=LARGEST).contains(&exponent) {
         Ok(())
     } else {
-        Err(ArgumentError::new(
-            owner,
-            "exponent",
-            exponent,
-            "it must be in [0, 1e24]",
-        ))
+        Err(ArgumentError::new(owner, "exponent", exponent, "it must be in [0, 1e24]"))
     }
 }

@@ -17,45 +17,20 @@ pub(super) struct Interval {
 
 impl Interval {
     pub(super) fn around(centre: f64, half: f64) -> Self {
-        Self {
-            low: centre - half,
-            high: centre + half,
-            width: 2.0 * half,
-            sign: 1.0,
-        }
+        Self { low: centre - half, high: centre + half, width: 2.0 * half, sign: 1.0 }
     }
 
     /// One or two intervals on the positive side that make up this one, with their signs.
     pub(super) fn same_signed(self) -> impl Iterator<Item = Self> {
-        let Self {
-            low, high, width, ..
-        } = self;
+        let Self { low, high, width, .. } = self;
         let (first, second) = if low >= 0.0 {
             (Some(self), None)
         } else if high <= 0.0 {
-            (
-                Some(Self {
-                    low: -high,
-                    high: -low,
-                    width,
-                    sign: -1.0,
-                }),
-                None,
-            )
+            (Some(Self { low: -high, high: -low, width, sign: -1.0 }), None)
         } else {
             (
-                Some(Self {
-                    low: 0.0,
-                    high: -low,
-                    width: -low,
-                    sign: -1.0,
-                }),
-                Some(Self {
-                    low: 0.0,
-                    high,
-                    width: high,
-                    sign: 1.0,
-                }),
+                Some(Self { low: 0.0, high: -low, width: -low, sign: -1.0 }),
+                Some(Self { low: 0.0, high, width: high, sign: 1.0 }),
             )
         };
         first.into_iter().chain(second)
@@ -94,16 +69,8 @@ pub(super) struct Piece {
 
 impl Piece {
     pub(super) fn new(x: Interval, y: Interval, height: f64) -> Self {
-        let start = Interval {
-            low: 0.0,
-            high: x.low,
-            width: x.low,
-            sign: 1.0,
-        };
-        let (a, b) = (
-            DVec3::new(x.high, y.low, height),
-            DVec3::new(x.high, y.high, height),
-        );
+        let start = Interval { low: 0.0, high: x.low, width: x.low, sign: 1.0 };
+        let (a, b) = (DVec3::new(x.high, y.low, height), DVec3::new(x.high, y.high, height));
         let (la, lb) = (a.length(), b.length());
         let beyond = 2.0 * (height * y.width).atan2(la * lb + a.dot(b) + x.high * (la + lb));
         Self {
@@ -148,13 +115,8 @@ impl Piece {
 /// A. Van Oosterom and J. Strackee, *The Solid Angle of a Plane Triangle*, IEEE Transactions on
 /// Biomedical Engineering 30(2), 1983.
 fn solid_angle(x: Interval, y: Interval, h: f64) -> f64 {
-    let [a, b, c, d] = [
-        (x.low, y.low),
-        (x.high, y.low),
-        (x.high, y.high),
-        (x.low, y.high),
-    ]
-    .map(|(x, y)| DVec3::new(x, y, h));
+    let [a, b, c, d] = [(x.low, y.low), (x.high, y.low), (x.high, y.high), (x.low, y.high)]
+        .map(|(x, y)| DVec3::new(x, y, h));
     let determinant = h * x.width * y.width;
     let triangle = |p: DVec3, q: DVec3, r: DVec3| {
         let (lp, lq, lr) = (p.length(), q.length(), r.length());
@@ -169,12 +131,7 @@ mod tests {
     use super::{Interval, Piece};
 
     fn interval(low: f64, high: f64) -> Interval {
-        Interval {
-            low,
-            high,
-            width: high - low,
-            sign: 1.0,
-        }
+        Interval { low, high, width: high - low, sign: 1.0 }
     }
 
     #[test]
@@ -204,25 +161,12 @@ mod tests {
     #[test]
     fn y_halves_the_strip_for_any_x() {
         // A strip that is narrow in x: the median of y splits its solid angle in two.
-        for (h, y0, y1) in [
-            (1.0, 0.0, 1.0),
-            (1e-9, 1.0, 2.0),
-            (1.0, 1e6, 2e6),
-            (1.0, 0.0, 1e12),
-        ] {
-            let x = Interval {
-                low: 1.0,
-                high: 1.0,
-                width: 1e-9,
-                sign: 1.0,
-            };
+        for (h, y0, y1) in [(1.0, 0.0, 1.0), (1e-9, 1.0, 2.0), (1.0, 1e6, 2e6), (1.0, 0.0, 1e12)] {
+            let x = Interval { low: 1.0, high: 1.0, width: 1e-9, sign: 1.0 };
             let whole = Piece::new(x, interval(y0, y1), h);
             let y = whole.point(0.5, 0.5).y;
             let part = Piece::new(x, interval(y0, y), h).within;
-            assert!(
-                (part / whole.within - 0.5).abs() < 1e-15 * (1.0 + y / (y - y0)),
-                "{h} {y}"
-            );
+            assert!((part / whole.within - 0.5).abs() < 1e-15 * (1.0 + y / (y - y0)), "{h} {y}");
         }
     }
 
@@ -230,10 +174,7 @@ mod tests {
     fn a_straddling_interval_is_cut_at_zero() {
         let cut: Vec<_> = Interval::around(1.0, 3.0).same_signed().collect();
         assert_eq!(cut.len(), 2);
-        assert_eq!(
-            (cut[0].sign, cut[0].high, cut[1].sign, cut[1].high),
-            (-1.0, 2.0, 1.0, 4.0)
-        );
+        assert_eq!((cut[0].sign, cut[0].high, cut[1].sign, cut[1].high), (-1.0, 2.0, 1.0, 4.0));
         let far: Vec<_> = Interval::around(-1e9, 1e-9).same_signed().collect();
         assert_eq!((far.len(), far[0].width, far[0].sign), (1, 2e-9, -1.0));
     }

@@ -27,12 +27,7 @@ impl Rectangle {
     pub fn new(centre: DVec3, half_x: DVec3, half_y: DVec3) -> Result<Self, ArgumentError> {
         const OWNER: &str = "Rectangle";
         if !centre.is_finite() {
-            return Err(ArgumentError::new(
-                OWNER,
-                "centre",
-                centre,
-                "it must be finite",
-            ));
+            return Err(ArgumentError::new(OWNER, "centre", centre, "it must be finite"));
         }
         let edge = |name: &'static str, vector: DVec3| {
             Direction::new(vector)
@@ -128,9 +123,7 @@ impl SphericalRectangle {
         let offset = to_centre.dot(z);
         let height = offset.abs();
         if !(height > rounding) {
-            return Err(invalid(
-                "it must be finite and outside the rectangle's plane",
-            ));
+            return Err(invalid("it must be finite and outside the rectangle's plane"));
         }
         let [u, v] = [
             Interval::around(to_centre.dot(x), rectangle.half[0]),
@@ -142,9 +135,7 @@ impl SphericalRectangle {
         }
         let solid_angle: f64 = pieces.iter().map(Piece::solid_angle).sum();
         if !solid_angle.is_normal() {
-            return Err(invalid(
-                "the rectangle's solid angle must be within the range of f64",
-            ));
+            return Err(invalid("the rectangle's solid angle must be within the range of f64"));
         }
         let axes = [x, y, z * offset.signum()];
         let plane = |axis: DVec3, edge: f64, inwards: f64| {
@@ -183,9 +174,7 @@ impl SphericalRectangle {
     }
 
     fn contains(&self, w: &Direction) -> bool {
-        self.planes
-            .iter()
-            .all(|n| n.dot(w.vector()) >= -4.0 * f64::EPSILON)
+        self.planes.iter().all(|n| n.dot(w.vector()) >= -4.0 * f64::EPSILON)
     }
 
     /// The distance to the rectangle in the direction `w`, or `None` where it misses.
@@ -225,10 +214,6 @@ impl Technique for SphericalRectangle {
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
-        if self.contains(w) {
-            self.solid_angle.recip()
-        } else {
-            0.0
-        }
+        if self.contains(w) { self.solid_angle.recip() } else { 0.0 }
     }
 }

@@ -25,11 +25,7 @@ impl<'a, B: Bsdf> ReflectedRadiance<'a, B> {
     /// `incident` is what arrives at the surface's position.
     #[must_use]
     pub fn new(incident: &'a Incident<B::Value>, surface: Surface, bsdf: &'a B) -> Self {
-        Self {
-            incident,
-            surface,
-            bsdf,
-        }
+        Self { incident, surface, bsdf }
     }
 }
 
@@ -42,10 +38,7 @@ impl<B: Bsdf> Integrand<Direction> for ReflectedRadiance<'_, B> {
             return B::Value::zero();
         }
         match self.incident.source(w) {
-            Some(radiance) => self
-                .bsdf
-                .value(&self.surface, w)
-                .scaled_product(&radiance, cos),
+            Some(radiance) => self.bsdf.value(&self.surface, w).scaled_product(&radiance, cos),
             None => B::Value::zero(),
         }
     }

@@ -35,11 +35,7 @@ pub(super) fn check_channels<V: Spectrum>(
 ) -> Result<(), ArgumentError> {
     let valid =
         (0..V::COMPONENTS).all(|channel| (0.0..=upper).contains(&value.times(channel, 1.0)));
-    if valid {
-        Ok(())
-    } else {
-        Err(ArgumentError::new(owner, argument, value, rule))
-    }
+    if valid { Ok(()) } else { Err(ArgumentError::new(owner, argument, value, rule)) }
 }
 
 /// A shape that emits the same radiance from every point of its surface, in every direction.
@@ -61,10 +57,7 @@ impl<V: Spectrum> Light<V> {
     pub fn new(shape: impl Into<Shape>, radiance: V) -> Result<Self, ArgumentError> {
         let rule = "every channel must be finite and at least 0";
         check_channels("Light", "radiance", &radiance, f64::MAX, rule)?;
-        Ok(Self {
-            shape: shape.into(),
-            radiance,
-        })
+        Ok(Self { shape: shape.into(), radiance })
     }
 
     /// The light as it is seen from `point`.
@@ -74,10 +67,7 @@ impl<V: Spectrum> Light<V> {
     /// As [`Shape::seen_from`].
     pub fn seen_from(&self, point: DVec3) -> Result<SeenLight<V>, ArgumentError> {
         let directions = self.shape.seen_from(point)?;
-        Ok(SeenLight {
-            directions,
-            radiance: self.radiance,
-        })
+        Ok(SeenLight { directions, radiance: self.radiance })
     }
 }
 
@@ -95,11 +85,7 @@ impl<V: Spectrum> SeenLight<V> {
     /// `w` misses the light.
     #[must_use]
     pub fn emitted(&self, w: &Direction) -> V {
-        if self.directions.hit(w).is_some() {
-            self.radiance
-        } else {
-            V::zero()
-        }
+        if self.directions.hit(w).is_some() { self.radiance } else { V::zero() }
     }
 
     /// The directions towards the light.
@@ -138,10 +124,7 @@ impl<V: Spectrum> Scene<V> {
     /// The scene with nothing in it.
     #[must_use]
     pub fn new() -> Self {
-        Self {
-            lights: Vec::new(),
-            occluders: Vec::new(),
-        }
+        Self { lights: Vec::new(), occluders: Vec::new() }
     }
 
     /// With one more light.
@@ -167,25 +150,12 @@ impl<V: Spectrum> Scene<V> {
     /// `point` must be finite.
     pub fn seen_from(&self, point: DVec3) -> Result<Incident<V>, ArgumentError> {
         if !point.is_finite() {
-            return Err(ArgumentError::new(
-                "Scene",
-                "point",
-                point,
-                "it must be finite",
-            ));
+            return Err(ArgumentError::new("Scene", "point", point, "it must be finite"));
         }
         // What fills no solid angle neither lights nor shadows the point.
         Ok(Incident {
-            lights: self
-                .lights
-                .iter()
-                .filter_map(|light| light.seen_from(point).ok())
-                .collect(),
-            occluders: self
-                .occluders
-                .iter()
-                .filter_map(|s| s.seen_from(point).ok())
-                .collect(),
+            lights: self.lights.iter().filter_map(|light| light.seen_from(point).ok()).collect(),
+            occluders: self.occluders.iter().filter_map(|s| s.seen_from(point).ok()).collect(),
         })
     }
 }
@@ -232,8 +202,6 @@ impl<V: Spectrum> Incident<V> {
     #[must_use]
     pub fn occluded(&self, w: &Direction, distance: f64) -> bool {
         let limit = distance * (1.0 - 1e-9);
-        self.occluders
-            .iter()
-            .any(|shape| shape.hit(w).is_some_and(|t| t < limit))
+        self.occluders.iter().any(|shape| shape.hit(w).is_some_and(|t| t < limit))
     }
 }

@@ -24,17 +24,9 @@ impl Sphere {
     /// is a point light: its directions have no density, so that no technique can sample it.
     pub fn new(centre: DVec3, radius: f64) -> Result<Self, ArgumentError> {
         if !centre.is_finite() {
-            return Err(ArgumentError::new(
-                "Sphere",
-                "centre",
-                centre,
-                "it must be finite",
-            ));
+            return Err(ArgumentError::new("Sphere", "centre", centre, "it must be finite"));
         }
-        Ok(Self {
-            centre,
-            radius: positive("Sphere", "radius", radius)?,
-        })
+        Ok(Self { centre, radius: positive("Sphere", "radius", radius)? })
     }
 
     /// The centre.
@@ -114,11 +106,7 @@ impl Cone {
             * f64::EPSILON
             * (point.abs().max_element() + sphere.centre.abs().max_element() + r);
         let inside = d < r - rounding;
-        let power = if inside {
-            (d - r) * (d + r)
-        } else {
-            (d - r).max(0.0) * (d + r)
-        };
+        let power = if inside { (d - r) * (d + r) } else { (d - r).max(0.0) * (d + r) };
         let width = if inside {
             2.0
         } else {
@@ -167,11 +155,7 @@ impl Cone {
         // The conjugate form of the near root (of the far root behind the centre, from inside),
         // which does not cancel.
         let sum = along.abs() + chord;
-        Some(if sum > 0.0 {
-            self.power.abs() / sum
-        } else {
-            0.0
-        })
+        Some(if sum > 0.0 { self.power.abs() / sum } else { 0.0 })
     }
 }
 
@@ -183,8 +167,7 @@ impl Technique for Cone {
     }
 
     fn sample(&self, xi: &[f64]) -> Direction {
-        self.frame
-            .around(canonical(xi, 0) * self.width, canonical(xi, 1))
+        self.frame.around(canonical(xi, 0) * self.width, canonical(xi, 1))
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
@@ -202,10 +185,7 @@ mod tests {
 
     fn cone(distance: f64, radius: f64) -> Cone {
         let axis = DVec3::new(0.48, -0.6, 0.64);
-        Sphere::new(distance * axis, radius)
-            .unwrap()
-            .seen_from(DVec3::ZERO)
-            .unwrap()
+        Sphere::new(distance * axis, radius).unwrap().seen_from(DVec3::ZERO).unwrap()
     }
 
     #[test]
@@ -213,10 +193,7 @@ mod tests {
         for exponent in 1..=12 {
             let s = 10.0_f64.powi(-exponent);
             let exact = 2.0 * TAU * (0.5 * s.asin()).sin().powi(2);
-            assert!(
-                (cone(1.0, s).solid_angle() / exact - 1.0).abs() < 2e-15,
-                "r/d = {s}"
-            );
+            assert!((cone(1.0, s).solid_angle() / exact - 1.0).abs() < 2e-15, "r/d = {s}");
         }
         // Just above the surface, cos θ = sqrt(2e-12) to first order.
         let gap = cone(1.0 + 1e-12, 1.0).solid_angle() / TAU;
@@ -231,13 +208,7 @@ mod tests {
 
     #[test]
     fn own_samples_hit_at_the_right_distance() {
-        for (d, r) in [
-            (1.0, 0.1),
-            (1.0, 1e-6),
-            (1.0, 1e-12),
-            (1.0, 1e-20),
-            (1.0 + 1e-12, 1.0),
-        ] {
+        for (d, r) in [(1.0, 0.1), (1.0, 1e-6), (1.0, 1e-12), (1.0, 1e-20), (1.0 + 1e-12, 1.0)] {
             let cone = cone(d, r);
             for i in 0..=1000 {
                 let w = cone.sample(&[f64::from(i) / 1000.0, f64::from(i * 7 % 11) / 11.0]);
@@ -256,10 +227,7 @@ mod tests {
     #[test]
     fn from_inside_every_direction_hits_the_far_side() {
         let centre = DVec3::new(0.0, 0.0, 0.5);
-        let cone = Sphere::new(centre, 2.0)
-            .unwrap()
-            .seen_from(DVec3::ZERO)
-            .unwrap();
+        let cone = Sphere::new(centre, 2.0).unwrap().seen_from(DVec3::ZERO).unwrap();
         for i in 0..100 {
             let w = cone.sample(&[f64::from(i) / 100.0, 0.3]);
             let t = cone.hit(&w).unwrap();
@@ -287,11 +255,6 @@ mod tests {
         assert!(Sphere::new(DVec3::NAN, 1.0).is_err());
         let far = Sphere::new(DVec3::new(1e200, 0.0, 0.0), 1e-200).unwrap();
         assert_eq!(far.seen_from(DVec3::ZERO).unwrap_err().argument(), "point");
-        assert!(
-            Sphere::new(DVec3::Z, 1.0)
-                .unwrap()
-                .seen_from(DVec3::NAN)
-                .is_err()
-        );
+        assert!(Sphere::new(DVec3::Z, 1.0).unwrap().seen_from(DVec3::NAN).is_err());
     }
 }
