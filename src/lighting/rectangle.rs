@@ -87,7 +87,8 @@ impl Rectangle {
 /// nothing cancels. A direction meets the rectangle if it is on the inner side of the four planes
 /// through the point and an edge, each moved outwards by the rounding of a direction, 4ε.
 ///
-/// A point counts as in the plane if its distance from it is within the rounding of the positions.
+/// A point counts as in the plane if its distance from it is within the rounding of the positions,
+/// or if the whole rectangle is less than 8ε radians above its horizon.
 ///
 /// Source of the idea: C. Ureña, M. Fajardo and A. King, *An Area-Preserving Parametrization for
 /// Spherical Rectangles*, Computer Graphics Forum 32(4), 2013. The form is this crate's.
@@ -99,7 +100,8 @@ pub struct SphericalRectangle {
     height: f64,
     pieces: Vec<Piece>,
     solid_angle: f64,
-    /// Normals, inwards, of the planes through the point and an edge; then the mean corner.
+    /// Normals, inwards, of the planes through the point and an edge; then of the plane through
+    /// the point and parallel to the rectangle.
     planes: [DVec3; 5],
     nearest: f64,
     farthest: f64,
@@ -122,13 +124,14 @@ impl SphericalRectangle {
             4.0 * f64::EPSILON * terms.dot(to_centre.abs() + point.abs() + rectangle.centre.abs());
         let offset = to_centre.dot(z);
         let height = offset.abs();
-        if !(height > rounding) {
-            return Err(invalid("it must be finite and outside the rectangle's plane"));
-        }
         let [u, v] = [
             Interval::around(to_centre.dot(x), rectangle.half[0]),
             Interval::around(to_centre.dot(y), rectangle.half[1]),
         ];
+        let nearest = DVec3::new(u.nearest(), v.nearest(), height).length();
+        if !(height > rounding.max(8.0 * f64::EPSILON * nearest)) {
+            return Err(invalid("it must be finite and outside the rectangle's plane"));
+        }
         let mut pieces = Vec::with_capacity(4);
         for u in u.same_signed() {
             pieces.extend(v.same_signed().map(|v| Piece::new(u, v, height)));
@@ -141,15 +144,6 @@ impl SphericalRectangle {
         let plane = |axis: DVec3, edge: f64, inwards: f64| {
             inwards * (height * axis - edge * axes[2]) / height.hypot(edge)
         };
-        let corner = |a: f64, b: f64| {
-            let local = DVec3::new(a, b, height);
-            let unit = local / local.length();
-            unit.x * x + unit.y * y + unit.z * axes[2]
-        };
-        let mean = corner(u.low, v.low)
-            + corner(u.low, v.high)
-            + corner(u.high, v.low)
-            + corner(u.high, v.high);
         Ok(Self {
             axes,
             height,
@@ -160,9 +154,9 @@ impl SphericalRectangle {
                 plane(x, u.high, -1.0),
                 plane(y, v.low, 1.0),
                 plane(y, v.high, -1.0),
-                mean,
+                axes[2],
             ],
-            nearest: DVec3::new(u.nearest(), v.nearest(), height).length(),
+            nearest,
             farthest: DVec3::new(u.farthest(), v.farthest(), height).length(),
         })
     }
