@@ -14,6 +14,7 @@ pub struct Surface {
     position: DVec3,
     normal: Direction,
     outgoing: Direction,
+    mirror: Direction,
 }
 
 impl Surface {
@@ -34,7 +35,7 @@ impl Surface {
             let rule = "it must be on the side of the normal";
             return Err(ArgumentError::new("Surface", "outgoing", outgoing, rule));
         }
-        Ok(Self { position, normal, outgoing })
+        Ok(Self { position, normal, outgoing, mirror: outgoing.reflected(normal) })
     }
 
     /// The point p.
@@ -58,7 +59,7 @@ impl Surface {
     /// The mirror direction of `ω_o`.
     #[must_use]
     pub fn mirror(&self) -> Direction {
-        self.outgoing.reflected(self.normal)
+        self.mirror
     }
 }
 

@@ -49,19 +49,6 @@ impl PhongLobe {
         check_exponent("PhongLobe", exponent)?;
         Ok(Self { frame: Frame::new(axis), exponent })
     }
-
-    /// ln cosⁿ α, or `None` where α > 90°.
-    fn ln_lobe(&self, w: &Direction) -> Option<f64> {
-        let q = w.one_minus_cos(self.frame.axis);
-        // A direction at 90° counts as within the lobe, to the rounding of a direction.
-        let within = q <= 1.0 + 4.0 * f64::EPSILON;
-        within.then(|| self.exponent * (-q.min(1.0 - f64::EPSILON / 2.0)).ln_1p())
-    }
-
-    /// cosⁿ α.
-    fn lobe(&self, w: &Direction) -> f64 {
-        self.ln_lobe(w).map_or(0.0, f64::exp)
-    }
 }
 
 impl Technique for PhongLobe {
@@ -77,11 +64,12 @@ impl Technique for PhongLobe {
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
-        (self.exponent + 1.0) / TAU * self.lobe(w)
+        let lobe = ln_lobe(self.exponent, self.frame.axis, w).map_or(0.0, f64::exp);
+        (self.exponent + 1.0) / TAU * lobe
     }
 
     fn ln_pdf(&self, w: &Direction) -> f64 {
-        match self.ln_lobe(w) {
+        match ln_lobe(self.exponent, self.frame.axis, w) {
             Some(ln_lobe) => ((self.exponent + 1.0) / TAU).ln() + ln_lobe,
             None => f64::NEG_INFINITY,
         }
@@ -113,10 +101,6 @@ impl<V: Spectrum> ModifiedPhong<V> {
         check_exponent("ModifiedPhong", exponent)?;
         Ok(Self { albedo, exponent })
     }
-
-    fn lobe(&self, surface: &Surface) -> PhongLobe {
-        PhongLobe { frame: Frame::new(surface.mirror()), exponent: self.exponent }
-    }
 }
 
 impl<V: Spectrum> Bsdf for ModifiedPhong<V> {
@@ -124,7 +108,7 @@ impl<V: Spectrum> Bsdf for ModifiedPhong<V> {
 
     fn value(&self, surface: &Surface, incident: &Direction) -> V {
         if incident.cos(surface.normal()) > 0.0 {
-            let lobe = self.lobe(surface).lobe(incident);
+            let lobe = ln_lobe(self.exponent, surface.mirror(), incident).map_or(0.0, f64::exp);
             self.albedo.scaled((self.exponent + 2.0) / TAU * lobe)
         } else {
             V::zero()
@@ -132,8 +116,17 @@ impl<V: Spectrum> Bsdf for ModifiedPhong<V> {
     }
 
     fn techniques(&self, surface: &Surface) -> Vec<Box<dyn Technique<Point = Direction>>> {
-        vec![Box::new(self.lobe(surface))]
+        let frame = Frame::new(surface.mirror());
+        vec![Box::new(PhongLobe { frame, exponent: self.exponent })]
     }
+}
+
+/// ln cosⁿ α of the angle between `axis` and `w`, or `None` where α > 90°.
+fn ln_lobe(exponent: f64, axis: Direction, w: &Direction) -> Option<f64> {
+    let q = w.one_minus_cos(axis);
+    // A direction at 90° counts as within the lobe, to the rounding of a direction.
+    let within = q <= 1.0 + 4.0 * f64::EPSILON;
+    within.then(|| exponent * (-q.min(1.0 - f64::EPSILON / 2.0)).ln_1p())
 }
 
 fn check_exponent(owner: &'static str, exponent: f64) -> Result<(), ArgumentError> {

@@ -84,7 +84,9 @@ impl Rectangle {
 ///
 /// The rectangle is cut at the foot of the perpendicular from the point into at most four pieces,
 /// in whose coordinates every term of the solid angle and of its inverse is positive, so that
-/// nothing cancels. A direction meets the rectangle if it is on the inner side of the four planes
+/// nothing cancels. The first canonical number selects the piece; the map is smooth within each.
+///
+/// A direction meets the rectangle if it is on the inner side of the four planes
 /// through the point and an edge, each moved outwards by the rounding of a direction, 4ε.
 ///
 /// A point counts as in the plane if its distance from it is within the rounding of the positions,

@@ -7,7 +7,7 @@ use crate::support::{
     over, polygon_irradiance, sphere_light, white,
 };
 use mis::lighting::{
-    Bsdf, DVec3, Lambert, Light, PhongLobe, ReflectedRadiance, Scene, Sphere, Surface,
+    Bsdf, DVec3, Direction, Lambert, Light, PhongLobe, ReflectedRadiance, Scene, Sphere, Surface,
 };
 use mis::{Estimator, MultiSample, Technique};
 
@@ -65,6 +65,51 @@ fn every_strategy_finds_the_irradiance_of_two_lights() {
     assert_unbiased(&bsdf_only.estimate(&f, 2).unwrap(), exact, 2e-2, "BSDF");
     let lights = MultiSample::new(&[(sphere, 30_000), (rectangle, 30_000)]).unwrap();
     assert_unbiased(&lights.estimate(&f, 3).unwrap(), exact, 2e-3, "lights");
+}
+
+/// Points of a rectangle, uniform in area; the pdf is per steradian all the same: d² / (A cos).
+struct ByArea {
+    x: [f64; 2],
+    y: [f64; 2],
+    z: f64,
+}
+
+impl Technique for ByArea {
+    type Point = Direction;
+
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn sample(&self, xi: &[f64]) -> Direction {
+        let [x, y] = [(self.x, xi[0]), (self.y, xi[1])].map(|(e, u)| e[0] + u * (e[1] - e[0]));
+        direction(x, y, self.z)
+    }
+
+    fn pdf(&self, w: &Direction) -> f64 {
+        let at = w.vector() * (self.z / w.vector().z);
+        let within = |e: [f64; 2], x: f64| e[0] <= x && x <= e[1];
+        if !(w.vector().z > 0.0 && within(self.x, at.x) && within(self.y, at.y)) {
+            return 0.0;
+        }
+        let area = (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]);
+        at.length_squared() / (area * w.vector().z)
+    }
+}
+
+#[test]
+fn samples_by_area_and_by_solid_angle_combine_in_one_measure() {
+    let by_area = ByArea { x: [0.5, 2.0], y: [0.2, 1.2], z: 0.6 };
+    let incident = alone(Light::new(ceiling(by_area.x, by_area.y, by_area.z), 1.0).unwrap());
+    let by_angle = &incident.lights()[0];
+    assert_close(over(by_angle, 32, &|w| by_area.pdf(w)), 1.0, 1e-9);
+    assert_close(over(&by_area, 32, &|w| by_angle.pdf(w)), 1.0, 1e-9);
+    let bsdf = white();
+    let f = ReflectedRadiance::new(&incident, horizontal(), &bsdf);
+    let corners = corners(by_area.x, by_area.y, by_area.z);
+    let exact = FRAC_1_PI * polygon_irradiance(horizontal().normal(), &corners);
+    let mis = MultiSample::new(&[(by_angle, 20_000), (&by_area, 20_000)]).unwrap();
+    assert_unbiased(&mis.estimate(&f, 8).unwrap(), exact, 5e-3, "both");
 }
 
 #[test]

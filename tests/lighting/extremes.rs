@@ -9,9 +9,10 @@ use crate::support::{
     polygon_irradiance, sphere_light, white,
 };
 use mis::lighting::{
-    Bsdf, DVec3, Lambert, Light, PhongLobe, Rectangle, ReflectedRadiance, Scene, Sphere, Surface,
+    Bsdf, DVec3, Lambert, Light, ModifiedPhong, PhongLobe, Rectangle, ReflectedRadiance, Scene,
+    Sphere,
 };
-use mis::{Estimator, MultiSample, Technique};
+use mis::{Estimator, Integrand, MultiSample, Technique};
 
 /// Every sample, the corners of the unit square included, has a density and meets the rectangle.
 fn assert_samples_hit(rectangle: &Rectangle, distances: [f64; 2]) {
@@ -56,11 +57,12 @@ fn a_sphere_from_just_above_on_and_below_its_surface() {
     for d in [1.0 + 1e-12, 1.0, 1.0 - f64::EPSILON, 0.5, 0.0] {
         let scene = Scene::new().light(sphere_light(DVec3::new(0.0, 0.0, d), 1.0, 2.0));
         let incident = scene.seen_from(DVec3::ZERO).unwrap();
+        let bsdf = white();
         let radiance = if d < 0.9 {
             // Half of the light is below the horizon; the lobe covers the other half.
-            let f = ReflectedRadiance::new(&incident, horizontal(), &WHITE);
-            let lobe = &white().techniques(&horizontal())[0];
-            over(lobe, 4, &|w| mis::Integrand::eval(&f, w))
+            let f = ReflectedRadiance::new(&incident, horizontal(), &bsdf);
+            let lobe = &bsdf.techniques(&horizontal())[0];
+            over(lobe, 4, &|w| f.eval(w))
         } else {
             by_quadrature(&incident, horizontal(), &white(), 64)
         };
@@ -93,7 +95,8 @@ fn narrow_and_wide_rectangles() {
     let p = sky.seen_from(DVec3::ZERO).unwrap();
     assert_close(p.solid_angle(), TAU - 8.0 * 2f64.sqrt() * 1e-12, 1e-15);
     let incident = alone(Light::new(sky, 1.0).unwrap());
-    let f = ReflectedRadiance::new(&incident, horizontal(), &WHITE);
+    let bsdf = white();
+    let f = ReflectedRadiance::new(&incident, horizontal(), &bsdf);
     let estimate = MultiSample::new(&[(&incident.lights()[0], 40_000)]).unwrap().estimate(&f, 1);
     assert_unbiased(&estimate.unwrap(), 1.0, 4e-3, "the sky");
 }
@@ -151,25 +154,6 @@ fn a_light_in_the_plane_of_the_point_gives_no_technique_and_no_light() {
     assert!(Rectangle::new(DVec3::Z, DVec3::X, DVec3::ZERO).is_err());
 }
 
-const WHITE: WhiteSurface = WhiteSurface;
-
-/// A Lambert surface of albedo 1 that can be a constant.
-#[derive(Debug)]
-struct WhiteSurface;
-
-impl Bsdf for WhiteSurface {
-    type Value = f64;
-    fn value(&self, surface: &Surface, incident: &mis::lighting::Direction) -> f64 {
-        white().value(surface, incident)
-    }
-    fn techniques(
-        &self,
-        surface: &Surface,
-    ) -> Vec<Box<dyn Technique<Point = mis::lighting::Direction>>> {
-        white().techniques(surface)
-    }
-}
-
 #[test]
 fn lights_below_the_horizon_contribute_nothing_and_count() {
     for light in [
@@ -177,7 +161,8 @@ fn lights_below_the_horizon_contribute_nothing_and_count() {
         Light::new(ceiling([-1.0, 1.0], [-1.0, 1.0], -0.5), 1.0).unwrap(),
     ] {
         let incident = alone(light);
-        let f = ReflectedRadiance::new(&incident, horizontal(), &WHITE);
+        let bsdf = white();
+        let f = ReflectedRadiance::new(&incident, horizontal(), &bsdf);
         let mis = MultiSample::new(&[(&incident.lights()[0], 500)]).unwrap();
         let estimate = mis.estimate(&f, 1).unwrap();
         assert_eq!((estimate.value(), estimate.zero(), estimate.samples()), (0.0, 500, 500));
@@ -201,8 +186,9 @@ fn lights_that_straddle_the_horizon() {
         (Light::new(upright, 1.0).unwrap(), irradiance),
     ] {
         let incident = alone(light);
-        let f = ReflectedRadiance::new(&incident, horizontal(), &WHITE);
-        let lobe = &white().techniques(&horizontal())[0];
+        let bsdf = white();
+        let f = ReflectedRadiance::new(&incident, horizontal(), &bsdf);
+        let lobe = &bsdf.techniques(&horizontal())[0];
         let light = &incident.lights()[0];
         let exact = FRAC_1_PI * irradiance;
         for (set, what) in [
@@ -221,7 +207,7 @@ fn lights_that_straddle_the_horizon() {
 #[test]
 fn a_highlight_that_underflows_gives_zero_and_no_nan() {
     // 0.3 rad beside a lobe of exponent 30000, cosⁿ is e^-1350.
-    let bsdf = mis::lighting::ModifiedPhong::new(1.0, 30_000.0).unwrap();
+    let bsdf = ModifiedPhong::new(1.0, 30_000.0).unwrap();
     let centre = DVec3::new(0.3_f64.sin(), 0.0, 0.3_f64.cos());
     let incident = alone(sphere_light(centre, 0.01, 1.0));
     let f = ReflectedRadiance::new(&incident, horizontal(), &bsdf);

@@ -31,6 +31,7 @@ const PLATES: [([f64; 2], [f64; 2], f64); 4] = [
 type Row = [f64; 7];
 
 #[rustfmt::skip]
+#[allow(clippy::unreadable_literal)] // as printed
 const SHINIEST: [Row; 4] = [
     [676.050, 0.57292, 0.06634,   0.15982, 0.059456,  0.082289,  0.10702],
     [81.432,  11.978,  1.6935e-5, 2.9944,  1.6935e-5, 0.094716,  0.042536],
@@ -39,6 +40,7 @@ const SHINIEST: [Row; 4] = [
 ];
 
 #[rustfmt::skip]
+#[allow(clippy::unreadable_literal)] // as printed
 const ROUGHEST: [Row; 4] = [
     [1.0392,  1.7576e-5, 520.87,  130.22,  1.7576e-5, 0.0019228, 1.7583e-5],
     [1.0880,  1.7822e-4, 55.313,  13.828,  1.7822e-4, 0.017017,  1.8358e-4],
