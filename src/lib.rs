@@ -6,6 +6,8 @@ mod estimate;
 mod estimator;
 mod integrand;
 mod lanes;
+#[cfg(feature = "lighting")]
+pub mod lighting;
 mod moments;
 pub mod points;
 pub mod technique;

@@ -27,10 +27,10 @@ use crate::weighting::{Balance, Weighting};
 /// variance.
 ///
 /// ```
-/// use mis::{Estimator, OneSample, technique::{PiecewiseConstant, Uniform}};
+/// use mis::{Estimator, OneSample, technique::{Linear, Uniform}};
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let flat = Uniform::new(0.0, 1.0)?;
-/// let ramp = PiecewiseConstant::tabulate(0.0, 1.0, 4, |x| x)?;
+/// let ramp = Linear::new(0.0, 1.0, 0.0, 2.0)?;
 /// let mis = OneSample::new(&[(&flat, 0.25), (&ramp, 0.75)], 1024)?;
 /// let estimate = mis.estimate(&|x: &f64| x.exp(), 1)?;
 /// assert!(estimate.interval(0.999)?.contains(1f64.exp() - 1.0));

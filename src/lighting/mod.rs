@@ -1,0 +1,76 @@
+//! The lighting integral: the radiance that leaves a point of a surface, from lights and a BSDF.
+//!
+//! `L_r(p, ω_o) = ∫ f_r(p, ω, ω_o) L_i(p, ω) cos θ dω`, over directions ω, can be sampled from each
+//! factor: from a light, or from a lobe of the BSDF. Either alone is bad somewhere: the light where
+//! the surface is shiny and the light large, the BSDF where the surface is rough and the light
+//! small. All densities are per steradian, so that any weighting combines them.
+//!
+//! ```
+//! use mis::lighting::{
+//!     Bsdf, DVec3, Direction, Light, ModifiedPhong, ReflectedRadiance, Scene, Sphere, Surface,
+//! };
+//! use mis::{Estimator, MultiSample};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let lamp = Sphere::new(DVec3::new(1.0, 0.0, 1.0), 0.25)?;
+//! let scene = Scene::new().light(Light::new(lamp, [9.0, 8.0, 5.0])?);
+//!
+//! let normal = Direction::new(DVec3::Z)?;
+//! let eye = Direction::new(DVec3::new(-1.0, 0.1, 0.9))?;
+//! let surface = Surface::new(DVec3::ZERO, normal, eye)?;
+//! let bsdf = ModifiedPhong::new([0.8; 3], 50.0)?;
+//!
+//! let incident = scene.seen_from(surface.position())?;
+//! let radiance = ReflectedRadiance::new(&incident, surface, &bsdf);
+//! let light = &incident.lights()[0];
+//! let lobe = &bsdf.techniques(&surface)[0];
+//! let mis = MultiSample::new(&[(light, 512), (lobe, 512)])?;
+//! let [red, green, blue] = mis.estimate(&radiance, 1)?.value();
+//! assert!(red > green && green > blue);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # In a renderer's terms
+//!
+//! | line of a path tracer | here |
+//! |---|---|
+//! | `wi = light->Sample_L(p, xi, &pdf)` | `light.sample(xi)`, with `light` a [`SeenLight`] of [`Incident::lights`] |
+//! | `light->Pdf(p, wi)` | `light.pdf(&wi)`; 0 where `wi` misses the light |
+//! | `light->Le(p, wi)` | [`light.emitted(&wi)`](SeenLight::emitted) |
+//! | visible `Li` along `wi` | [`incident.radiance(&wi)`](Incident::radiance) |
+//! | `wi = bsdf->Sample_f(wo, xi, &pdf)` | `lobe.sample(xi)`, with `lobe` of [`Bsdf::techniques`] |
+//! | `bsdf->Pdf(wo, wi)` | `lobe.pdf(&wi)` |
+//! | `bsdf->f(wo, wi)` | [`bsdf.value(&surface, &wi)`](Bsdf::value) |
+//! | `f * Li * AbsDot(wi, n)` | [`ReflectedRadiance`], the integrand |
+//! | the weights, `/ pdf`, the loop over samples | [`MultiSample`](crate::MultiSample) or [`OneSample`](crate::OneSample) |
+//!
+//! Samples below the surface contribute 0 and count. A point light has no density, so it is not a
+//! technique, and a [`Sphere`] has a radius greater than 0.
+//!
+//! # Limits
+//!
+//! Directions are `f64`: sizes and lobes below about 1e-12 radians are near their resolution (see
+//! [`Direction`]). Lights emit the same radiance everywhere; surfaces are opaque.
+
+mod bsdf;
+mod direction;
+mod lambert;
+mod phong;
+mod piece;
+mod rectangle;
+mod reflected;
+mod scene;
+mod shape;
+mod sphere;
+
+pub use bsdf::{Bsdf, Surface};
+pub use direction::Direction;
+/// The vector of three `f64` by which positions are given, of the crate `glam`.
+pub use glam::DVec3;
+pub use lambert::{CosineHemisphere, Lambert};
+pub use phong::{ModifiedPhong, PhongLobe};
+pub use rectangle::{Rectangle, SphericalRectangle};
+pub use reflected::ReflectedRadiance;
+pub use scene::{Incident, Light, Scene, SeenLight, Spectrum};
+pub use shape::{Shape, SolidAngle};
+pub use sphere::{Cone, Sphere};

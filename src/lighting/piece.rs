@@ -1,0 +1,181 @@
+//! A rectangle in front of the origin whose coordinates do not change sign.
+//!
+//! Everything here is a sum, product or quotient of positive numbers.
+
+use glam::DVec3;
+
+/// An interval on an axis, with its width as given: `high - low` has lost it to rounding where
+/// the interval is narrow and far out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Interval {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    width: f64,
+    /// -1 for the mirror image of an interval on the negative side.
+    sign: f64,
+}
+
+impl Interval {
+    pub(super) fn around(centre: f64, half: f64) -> Self {
+        Self { low: centre - half, high: centre + half, width: 2.0 * half, sign: 1.0 }
+    }
+
+    /// One or two intervals on the positive side that make up this one, with their signs.
+    pub(super) fn same_signed(self) -> impl Iterator<Item = Self> {
+        let Self { low, high, width, .. } = self;
+        let (first, second) = if low >= 0.0 {
+            (Some(self), None)
+        } else if high <= 0.0 {
+            (Some(Self { low: -high, high: -low, width, sign: -1.0 }), None)
+        } else {
+            (
+                Some(Self { low: 0.0, high: -low, width: -low, sign: -1.0 }),
+                Some(Self { low: 0.0, high, width: high, sign: 1.0 }),
+            )
+        };
+        first.into_iter().chain(second)
+    }
+
+    /// The smallest magnitude in the interval.
+    pub(super) fn nearest(self) -> f64 {
+        self.low.max(-self.high).max(0.0)
+    }
+
+    /// The largest magnitude in the interval.
+    pub(super) fn farthest(self) -> f64 {
+        self.low.abs().max(self.high.abs())
+    }
+}
+
+/// The rectangle x × y at the height h, all coordinates at least 0, mirrored by the signs.
+///
+/// Solid angles are of right-angled pieces: with b = y / √(h² + y²) and c = x / √(h² + x²), that
+/// of \[0, x\] × \[0, y\] is asin(b c). Hence A = asin(b₁ c) - asin(b₀ c) for \[0, x\] × \[y₀, y₁\];
+/// solved for x, with B the solid angle of \[x, ∞) × \[y₀, y₁\] and γ = atan(h / y₁),
+///
+/// x = h sin A / (2 √(sin(B/2) sin(A + B/2) sin(γ + B/2) sin(γ + A + B/2))).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Piece {
+    x: Interval,
+    y: Interval,
+    height: f64,
+    /// The solid angles of \[0, x₀\], \[x₀, x₁\] and \[x₁, ∞), each times \[y₀, y₁\].
+    before: f64,
+    within: f64,
+    beyond: f64,
+    /// atan(h / y₁).
+    gamma: f64,
+}
+
+impl Piece {
+    pub(super) fn new(x: Interval, y: Interval, height: f64) -> Self {
+        let start = Interval { low: 0.0, high: x.low, width: x.low, sign: 1.0 };
+        let (a, b) = (DVec3::new(x.high, y.low, height), DVec3::new(x.high, y.high, height));
+        let (la, lb) = (a.length(), b.length());
+        let beyond = 2.0 * (height * y.width).atan2(la * lb + a.dot(b) + x.high * (la + lb));
+        Self {
+            x,
+            y,
+            height,
+            before: solid_angle(start, y, height),
+            within: solid_angle(x, y, height),
+            beyond,
+            gamma: height.atan2(y.high),
+        }
+    }
+
+    pub(super) fn solid_angle(&self) -> f64 {
+        self.within
+    }
+
+    /// The point of the rectangle that (ξ₀, ξ₁) map to: x by the solid angle left of it, then y,
+    /// whose density given x is proportional to (x² + h² + y²)^(-3/2).
+    pub(super) fn point(&self, xi0: f64, xi1: f64) -> DVec3 {
+        let h = self.height;
+        let a = self.before + xi0 * self.within;
+        let half_b = 0.5 * (self.beyond + (1.0 - xi0) * self.within);
+        let product = (half_b.sin() * (a + half_b).sin()).sqrt()
+            * ((self.gamma + half_b).sin() * (self.gamma + a + half_b).sin()).sqrt();
+        let x = (0.5 * h * a.sin() / product).clamp(self.x.low, self.x.high);
+
+        // sin β = y / √(d² + y²) is uniform; both it and 1 - sin β are kept, for 1 - sin² β.
+        let d = x.hypot(h);
+        let (low, high) = (d.hypot(self.y.low), d.hypot(self.y.high));
+        let complement = |y: f64, length: f64| (d / length) * (d / (length + y));
+        let (sin0, sin1) = (self.y.low / low, self.y.high / high);
+        let (rest0, rest1) = (complement(self.y.low, low), complement(self.y.high, high));
+        let sin = sin0 + xi1 * (sin1 - sin0);
+        let rest = rest1 + (1.0 - xi1) * (rest0 - rest1);
+        let y = (d * sin / (rest * (2.0 - rest)).sqrt()).clamp(self.y.low, self.y.high);
+        DVec3::new(self.x.sign * x, self.y.sign * y, h)
+    }
+}
+
+/// The solid angle of x × y at the height h, from two triangles, each by the formula of
+/// A. Van Oosterom and J. Strackee, *The Solid Angle of a Plane Triangle*, IEEE Transactions on
+/// Biomedical Engineering 30(2), 1983.
+fn solid_angle(x: Interval, y: Interval, h: f64) -> f64 {
+    let [a, b, c, d] = [(x.low, y.low), (x.high, y.low), (x.high, y.high), (x.low, y.high)]
+        .map(|(x, y)| DVec3::new(x, y, h));
+    let determinant = h * x.width * y.width;
+    let triangle = |p: DVec3, q: DVec3, r: DVec3| {
+        let (lp, lq, lr) = (p.length(), q.length(), r.length());
+        let sum = lp * lq * lr + p.dot(q) * lr + q.dot(r) * lp + r.dot(p) * lq;
+        2.0 * determinant.atan2(sum)
+    };
+    triangle(a, b, c) + triangle(a, c, d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Interval, Piece};
+
+    fn interval(low: f64, high: f64) -> Interval {
+        Interval { low, high, width: high - low, sign: 1.0 }
+    }
+
+    #[test]
+    fn x_inverts_the_solid_angle_over_many_decades() {
+        let mut worst = 0.0_f64;
+        for h in [1e-12, 1e-6, 1.0, 1e6, 1e12] {
+            for x0 in [0.0, 1e-9, 1.0, 1e5] {
+                for y0 in [0.0, 1e-9, 1.0, 1e5] {
+                    for w in [1e-6, 1.0, 1e12] {
+                        let y = interval(y0, y0 + w);
+                        let whole = Piece::new(interval(x0, x0 + w), y, h);
+                        for xi in [0.1, 0.5, 0.9] {
+                            let x = whole.point(xi, 0.5).x;
+                            let part = Piece::new(interval(x0, x), y, h).within;
+                            // x itself is rounded: to 1 part in (x - x0) / (x ε).
+                            let rounding = 1e-15 * (1.0 + x / (x - x0));
+                            let error = (part / (xi * whole.within) - 1.0).abs() / rounding;
+                            worst = worst.max(error);
+                        }
+                    }
+                }
+            }
+        }
+        assert!(worst < 8.0, "{worst}");
+    }
+
+    #[test]
+    fn y_halves_the_strip_for_any_x() {
+        // A strip that is narrow in x: the median of y splits its solid angle in two.
+        for (h, y0, y1) in [(1.0, 0.0, 1.0), (1e-9, 1.0, 2.0), (1.0, 1e6, 2e6), (1.0, 0.0, 1e12)] {
+            let x = Interval { low: 1.0, high: 1.0, width: 1e-9, sign: 1.0 };
+            let whole = Piece::new(x, interval(y0, y1), h);
+            let y = whole.point(0.5, 0.5).y;
+            let part = Piece::new(x, interval(y0, y), h).within;
+            assert!((part / whole.within - 0.5).abs() < 1e-15 * (1.0 + y / (y - y0)), "{h} {y}");
+        }
+    }
+
+    #[test]
+    fn a_straddling_interval_is_cut_at_zero() {
+        let cut: Vec<_> = Interval::around(1.0, 3.0).same_signed().collect();
+        assert_eq!(cut.len(), 2);
+        assert_eq!((cut[0].sign, cut[0].high, cut[1].sign, cut[1].high), (-1.0, 2.0, 1.0, 4.0));
+        let far: Vec<_> = Interval::around(-1e9, 1e-9).same_signed().collect();
+        assert_eq!((far.len(), far[0].width, far[0].sign), (1, 2e-9, -1.0));
+    }
+}

@@ -1,0 +1,100 @@
+//! The shapes of lights and occluders, and the directions towards one.
+
+use glam::DVec3;
+
+use super::direction::Direction;
+use super::rectangle::{Rectangle, SphericalRectangle};
+use super::sphere::{Cone, Sphere};
+use crate::error::ArgumentError;
+use crate::technique::Technique;
+
+/// A surface that emits light or casts a shadow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Shape {
+    /// A sphere.
+    Sphere(Sphere),
+    /// A rectangle.
+    Rectangle(Rectangle),
+}
+
+impl Shape {
+    /// The directions from `point` towards the shape, as a technique.
+    ///
+    /// # Errors
+    ///
+    /// As [`Sphere::seen_from`] and [`Rectangle::seen_from`]: where the shape fills no solid
+    /// angle, there is no density.
+    pub fn seen_from(&self, point: DVec3) -> Result<SolidAngle, ArgumentError> {
+        match self {
+            Self::Sphere(sphere) => sphere.seen_from(point).map(SolidAngle::Sphere),
+            Self::Rectangle(rectangle) => rectangle.seen_from(point).map(SolidAngle::Rectangle),
+        }
+    }
+}
+
+impl From<Sphere> for Shape {
+    fn from(sphere: Sphere) -> Self {
+        Self::Sphere(sphere)
+    }
+}
+
+impl From<Rectangle> for Shape {
+    fn from(rectangle: Rectangle) -> Self {
+        Self::Rectangle(rectangle)
+    }
+}
+
+/// The uniform density on the directions from a point that meet a shape, per steradian.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum SolidAngle {
+    /// A sphere's.
+    Sphere(Cone),
+    /// A rectangle's.
+    Rectangle(SphericalRectangle),
+}
+
+impl SolidAngle {
+    /// The solid angle in steradians.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        match self {
+            Self::Sphere(cone) => cone.solid_angle(),
+            Self::Rectangle(rectangle) => rectangle.solid_angle(),
+        }
+    }
+
+    /// The distance to the shape in the direction `w`, or `None` where it misses.
+    ///
+    /// It is a number exactly where [`pdf`](Technique::pdf) is positive.
+    #[must_use]
+    pub fn hit(&self, w: &Direction) -> Option<f64> {
+        match self {
+            Self::Sphere(cone) => cone.hit(w),
+            Self::Rectangle(rectangle) => rectangle.hit(w),
+        }
+    }
+}
+
+impl Technique for SolidAngle {
+    type Point = Direction;
+
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn sample(&self, xi: &[f64]) -> Direction {
+        match self {
+            Self::Sphere(cone) => cone.sample(xi),
+            Self::Rectangle(rectangle) => rectangle.sample(xi),
+        }
+    }
+
+    fn pdf(&self, w: &Direction) -> f64 {
+        match self {
+            Self::Sphere(cone) => cone.pdf(w),
+            Self::Rectangle(rectangle) => rectangle.pdf(w),
+        }
+    }
+}
