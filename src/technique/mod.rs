@@ -168,10 +168,11 @@ pub trait InverseCdf: Technique<Point = f64> {
         1.0 - self.cdf(x)
     }
 
-    /// The x where `survival(x) = v`. Override it where it is known without computing 1 - v.
+    /// The x where `survival(x) = v`, for v in \[0, 1\]; NaN for any other v. Override it where it is
+    /// known without computing 1 - v.
     #[doc(alias = "isf")]
     fn inverse_survival(&self, v: f64) -> f64 {
-        self.inverse_cdf(1.0 - v)
+        if (0.0..=1.0).contains(&v) { self.inverse_cdf(1.0 - v) } else { f64::NAN }
     }
 
     /// The ends of the support, `(inverse_cdf(0), inverse_cdf(1))`.
