@@ -147,11 +147,8 @@ fn product_of_two_and_three() {
 
 #[test]
 fn product_of_run_time_length() {
-    let coordinates: Vec<Box<dyn InverseCdf>> = vec![
-        Box::new(Uniform::unit()),
-        Box::new(sine().unwrap()),
-        Box::new(steps()),
-    ];
+    let coordinates: Vec<Box<dyn InverseCdf>> =
+        vec![Box::new(Uniform::unit()), Box::new(sine().unwrap()), Box::new(steps())];
     let p = ProductVec::new(coordinates).unwrap();
     let marginals: [&dyn InverseCdf; 3] = [&Uniform::unit(), &sine().unwrap(), &steps()];
     check_points(&p, &marginals, &|x| x.to_vec(), 100_000, 1e-12);
@@ -197,19 +194,9 @@ fn mixture_on_the_line() {
     let cdf = |x: f64| parts.iter().map(|(part, p)| p * part.cdf(x)).sum::<f64>();
     let edges: Vec<f64> = (0..=44).map(|k| -7.0 + 0.25 * f64::from(k)).collect();
     let masses: Vec<f64> = edges.windows(2).map(|e| cdf(e[1]) - cdf(e[0])).collect();
-    let densities = edges
-        .windows(2)
-        .map(|e| (e[1] - e[0]) * p.pdf(&(0.5 * (e[0] + e[1]))));
-    assert!(
-        masses
-            .iter()
-            .zip(densities)
-            .all(|(m, d)| (m - d).abs() <= 4.0 * f64::EPSILON)
-    );
-    chi_squared(
-        &masses,
-        xs.iter().map(|x| edges.partition_point(|e| e <= x) - 1),
-    );
+    let densities = edges.windows(2).map(|e| (e[1] - e[0]) * p.pdf(&(0.5 * (e[0] + e[1]))));
+    assert!(masses.iter().zip(densities).all(|(m, d)| (m - d).abs() <= 4.0 * f64::EPSILON));
+    chi_squared(&masses, xs.iter().map(|x| edges.partition_point(|e| e <= x) - 1));
     kolmogorov(&mut xs.iter().map(|&x| cdf(x)).collect::<Vec<f64>>());
 }
 

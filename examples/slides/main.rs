@@ -12,7 +12,10 @@ use mis::technique::Uniform;
 use mis::weighting::{Constant, Cutoff, Maximum, Power};
 use mis::{Estimator, MultiSample, OneSample};
 
-use tables::{INTEGRAL, PRINTED, XI, cosine, f, sine, table};
+use tables::{PRINTED, XI, cosine, f, sine, table};
+
+/// ∫ sin x cos x over [0, π/2].
+const INTEGRAL: f64 = 0.5;
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("∫ sin x cos x dx over [0, π/2] = {INTEGRAL}\n");
@@ -54,7 +57,7 @@ const ESTIMATES: u64 = 20_000;
 const PER_TECHNIQUE: u64 = 8;
 
 fn variances() -> Result<(), Box<dyn Error>> {
-    let (p1, p2) = (cosine(), sine());
+    let (p1, p2) = (cosine()?, sine()?);
     let uniform = Uniform::new(0.0, FRAC_PI_2)?;
     let n = PER_TECHNIQUE;
     let both = || MultiSample::new(&[(&p1, n), (&p2, n)]);

@@ -5,23 +5,20 @@ use std::f64::consts::FRAC_PI_2;
 
 use mis::points::Replay;
 use mis::technique::FnTechnique;
-use mis::{Estimator, InverseCdf, MultiSample, Technique};
+use mis::{ArgumentError, Estimator, InverseCdf, MultiSample, Technique};
 
 /// The slides' six canonical numbers, to the digits that they print.
-pub const XI: [f64; 6] = [0.996, 0.573, 0.587, 0.140, 0.758, 0.525];
-
-/// ∫ sin x cos x over [0, π/2].
-pub const INTEGRAL: f64 = 0.5;
+pub(crate) const XI: [f64; 6] = [0.996, 0.573, 0.587, 0.140, 0.758, 0.525];
 
 /// A table as the slides print it.
-pub struct Printed {
-    pub title: &'static str,
-    pub columns: &'static [&'static str],
-    pub rows: [&'static [f64]; 6],
-    pub estimate: f64,
+pub(crate) struct Printed {
+    pub(crate) title: &'static str,
+    pub(crate) columns: &'static [&'static str],
+    pub(crate) rows: [&'static [f64]; 6],
+    pub(crate) estimate: f64,
 }
 
-pub const PRINTED: [Printed; 3] = [
+pub(crate) const PRINTED: [Printed; 3] = [
     Printed {
         title: "p(x) = sin x, six samples",
         columns: &["x", "f", "p", "f/p"],
@@ -64,28 +61,31 @@ pub const PRINTED: [Printed; 3] = [
 ];
 
 /// f(x) = sin x cos x.
-pub fn f(x: &f64) -> f64 {
+pub(crate) fn f(x: &f64) -> f64 {
     x.sin() * x.cos()
 }
 
 /// p(x) = cos x on [0, π/2], P(x) = sin x.
-pub fn cosine() -> impl InverseCdf {
-    FnTechnique::new([0.0, FRAC_PI_2], f64::cos, f64::sin, f64::asin).expect("a valid support")
+pub(crate) fn cosine() -> Result<impl InverseCdf, ArgumentError> {
+    FnTechnique::new([0.0, FRAC_PI_2], f64::cos, f64::sin, f64::asin)
 }
 
 /// p(x) = sin x on [0, π/2], P(x) = 1 - cos x.
 ///
 /// The slides invert it as acos(1 - ξ), which is the same number but for its rounding: 1 - ξ loses
 /// the digits of a small ξ.
-pub fn sine() -> impl InverseCdf {
+pub(crate) fn sine() -> Result<impl InverseCdf, ArgumentError> {
     let cdf = |x: f64| 2.0 * (0.5 * x).sin().powi(2);
     let inverse_cdf = |u: f64| 2.0 * (0.5 * u).sqrt().asin();
-    FnTechnique::new([0.0, FRAC_PI_2], f64::sin, cdf, inverse_cdf).expect("a valid support")
+    FnTechnique::new([0.0, FRAC_PI_2], f64::sin, cdf, inverse_cdf)
 }
 
-/// The rows of table 0, 1 or 2, and the estimate, from these canonical numbers.
-pub fn table(number: usize, xi: &[f64; 6]) -> Result<(Vec<Vec<f64>>, f64), Box<dyn Error>> {
-    let (cosine, sine) = (cosine(), sine());
+/// A table's rows, and the estimate below them.
+pub(crate) type Table = (Vec<Vec<f64>>, f64);
+
+/// Table 0, 1 or 2, from these canonical numbers.
+pub(crate) fn table(number: usize, xi: &[f64; 6]) -> Result<Table, Box<dyn Error>> {
+    let (cosine, sine) = (cosine()?, sine()?);
     let mut rows = Vec::new();
     let estimate = if number == 2 {
         let points = Replay::new([xi[..3].to_vec(), xi[3..].to_vec()])?;

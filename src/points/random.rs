@@ -109,7 +109,7 @@ mod tests {
         for (first, rows) in [(0, 1), (255, 2), (256, 256), (700, 300), (999, 1)] {
             assert_eq!(
                 numbers(1, 0, first, 3, rows),
-                whole[first as usize * 3..][..rows * 3],
+                whole[usize::try_from(first).unwrap() * 3..][..rows * 3],
                 "{first}"
             );
         }
@@ -147,7 +147,7 @@ mod tests {
                     (0..256)
                         .map(|k| {
                             let (seed, stream, sample) = at(k, t);
-                            numbers(seed, stream as usize, sample, 1, 1)[0] - 0.5
+                            numbers(seed, usize::try_from(stream).unwrap(), sample, 1, 1)[0] - 0.5
                         })
                         .sum()
                 })

@@ -106,11 +106,7 @@ pub(super) fn invert(
             newton_steps = 0;
         }
         // ln(t / target); ln_1p near 0, and not where t / target - 1 rounds to -1.
-        let ln = if ratio.abs() < 0.5 {
-            ratio.ln_1p()
-        } else {
-            (t / target).ln()
-        };
+        let ln = if ratio.abs() < 0.5 { ratio.ln_1p() } else { (t / target).ln() };
         let step = ln * (t / density);
         let next = match side {
             Side::Lower => x - step,
@@ -194,21 +190,11 @@ struct Bracket {
 
 impl Bracket {
     fn new(a: f64, b: f64) -> Self {
-        Self {
-            low: key(a),
-            high: key(b),
-            low_seen: false,
-            high_seen: false,
-            reach: 1,
-        }
+        Self { low: key(a), high: key(b), low_seen: false, high_seen: false, reach: 1 }
     }
 
     fn width(&self) -> u64 {
-        if self.low < self.high {
-            self.low.abs_diff(self.high)
-        } else {
-            0
-        }
+        if self.low < self.high { self.low.abs_diff(self.high) } else { 0 }
     }
 
     fn contains(&self, k: i64) -> bool {
