@@ -6,7 +6,11 @@
 mod common;
 
 use common::laws::{LawOptions, check};
-use mis::technique::{Exponential, Linear, PowerLaw, Uniform};
+use common::point_laws::check_points;
+use mis::technique::{
+    Cauchy, Exponential, InverseCdf, Linear, Normal, PowerLaw, Technique, TruncatedCauchy,
+    TruncatedNormal, Uniform, canonical,
+};
 
 const INF: f64 = f64::INFINITY;
 
@@ -295,4 +299,83 @@ laws! {
     power_law_tiny: PowerLaw::new(2.0, 0.0, 1e-300), tail_from: 1e-20;
     power_law_huge: PowerLaw::new(2.0, 0.0, 1e290);
     power_law_one_ulp: PowerLaw::new(2.0, 1.0, 1.0 + f64::EPSILON), resolved: false;
+}
+
+laws! {
+    normal: Some(Normal::standard());
+    normal_shifted: Normal::new(-3.0, 0.2);
+    normal_far: Normal::new(1e9, 1.0);
+    normal_tiny: Normal::new(0.0, 1e-300), ln_pdf: 1000.0;
+    normal_huge: Normal::new(0.0, 1e290), ln_pdf: 1000.0;
+    normal_below_one_ulp: Normal::new(1e20, 1e-3), resolved: false;
+}
+
+laws! {
+    cauchy: Cauchy::new(0.0, 1.0);
+    cauchy_shifted: Cauchy::new(91.2, 1.25);
+    cauchy_tiny: Cauchy::new(0.0, 1e-300);
+    cauchy_huge: Cauchy::new(0.0, 1e270), tail_from: 1e-20;
+    truncated_cauchy: TruncatedCauchy::new(91.2, 1.25, 60.0, 120.0);
+    truncated_cauchy_line: TruncatedCauchy::new(1.0, 2.0, -INF, INF);
+    truncated_cauchy_lower_half: TruncatedCauchy::new(0.0, 1.0, -INF, 0.0);
+    truncated_cauchy_upper_half: TruncatedCauchy::new(0.0, 1.0, 0.0, INF);
+    truncated_cauchy_tail: TruncatedCauchy::new(0.0, 1.0, 1e6, INF);
+    truncated_cauchy_lower_tail: TruncatedCauchy::new(0.0, 1.0, -INF, -1e6);
+    truncated_cauchy_ending_at_0: TruncatedCauchy::new(-1e9, 1.0, 0.0, 1e-3), tail_from: 1e-280;
+    truncated_cauchy_far_window: TruncatedCauchy::new(0.0, 1.0, 1e9, 1e9 + 1.0);
+    truncated_cauchy_far_off: TruncatedCauchy::new(0.0, 1.0, 1e200, 2e200);
+    truncated_cauchy_wide: TruncatedCauchy::new(0.0, 1.0, -1e200, 1e100), tail_from: 1e-150;
+    truncated_cauchy_narrow: TruncatedCauchy::new(0.0, 1e300, 1.0, 2.0);
+    truncated_cauchy_tiny: TruncatedCauchy::new(0.0, 1e-300, -1e-300, 3e-300);
+    truncated_cauchy_needle: TruncatedCauchy::new(0.0, 1e-30, -1.0, 1.0);
+    truncated_cauchy_one_ulp: TruncatedCauchy::new(0.0, 1.0, 1.0, 1.0 + f64::EPSILON), resolved: false;
+}
+
+laws! {
+    truncated_normal: TruncatedNormal::new(0.0, 1.0, -1.0, 2.0);
+    truncated_normal_line: TruncatedNormal::new(1.0, 2.0, -INF, INF);
+    truncated_normal_lower_half: TruncatedNormal::new(0.0, 1.0, -INF, 0.0);
+    truncated_normal_upper_half: TruncatedNormal::new(0.0, 1.0, 0.0, INF);
+    truncated_normal_starting_at_0: TruncatedNormal::new(2.0, 1.0, 0.0, INF);
+    truncated_normal_ending_at_0: TruncatedNormal::new(-2.0, 1.0, -INF, 0.0);
+    truncated_normal_above_0: TruncatedNormal::new(-2.0, 1.0, 0.0, INF);
+    truncated_normal_straddling: TruncatedNormal::new(0.0, 1.0, -30.0, 40.0);
+    truncated_normal_one_sd_off: TruncatedNormal::new(0.0, 1.0, 1.0, 4.0);
+    truncated_normal_three_sd_off: TruncatedNormal::new(0.0, 1.0, -INF, -3.0);
+    truncated_normal_four_sd_off: TruncatedNormal::new(0.0, 1.0, 4.5, 4.8);
+    truncated_normal_38_sd_off: TruncatedNormal::new(0.0, 1.0, 38.0, INF);
+    truncated_normal_100_sd_off: TruncatedNormal::new(0.0, 1.0, 100.0, 101.0);
+    truncated_normal_100_sd_below: TruncatedNormal::new(0.0, 1.0, -101.0, -100.0);
+    truncated_normal_far_at_0: TruncatedNormal::new(-1e5, 1.0, 0.0, INF);
+    truncated_normal_narrow: TruncatedNormal::new(0.0, 1.0, 0.5, 0.5 + 1e-9);
+    truncated_normal_narrow_far: TruncatedNormal::new(0.0, 1.0, 100.0, 100.0 + 1e-9);
+    truncated_normal_flat: TruncatedNormal::new(0.0, 1e300, -1.0, 2.0), ln_pdf: 1000.0;
+    truncated_normal_tiny: TruncatedNormal::new(0.0, 1e-300, -1e-300, 3e-300), ln_pdf: 1000.0;
+    truncated_normal_needle: TruncatedNormal::new(0.0, 1e-30, -1.0, 1.0), ln_pdf: 1000.0;
+    truncated_normal_one_ulp: TruncatedNormal::new(0.0, 1.0, 1.0, 1.0 + f64::EPSILON), resolved: false;
+}
+
+/// The laws of points, on the smallest example.
+#[test]
+fn points() {
+    struct Square(PowerLaw);
+
+    impl Technique for Square {
+        type Point = [f64; 2];
+
+        fn dimension(&self) -> usize {
+            2
+        }
+
+        fn sample(&self, xi: &[f64]) -> [f64; 2] {
+            [0, 1].map(|d| self.0.inverse_cdf(canonical(xi, d)))
+        }
+
+        fn pdf(&self, x: &[f64; 2]) -> f64 {
+            self.0.pdf(&x[0]) * self.0.pdf(&x[1])
+        }
+    }
+
+    let p = PowerLaw::new(1.0, 0.5, 2.0).unwrap();
+    check_points(&Square(p), &[&p, &p], &|x| [x[0], x[1]], 100_000, 1e-6);
 }

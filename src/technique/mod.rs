@@ -5,11 +5,14 @@
 //! importance distribution.
 
 mod affine;
+mod cauchy;
 mod exponential;
 mod fn_technique;
 mod invert;
 mod linear;
 mod mixture;
+mod normal;
+mod normal_tail;
 mod numeric_inverse;
 mod piecewise;
 mod power_law;
@@ -17,19 +20,25 @@ mod product;
 mod statrs;
 mod tabulate;
 mod truncated;
+mod truncated_cauchy;
+mod truncated_normal;
 mod uniform;
 
 pub use affine::Affine;
+pub use cauchy::Cauchy;
 pub use exponential::Exponential;
 pub use fn_technique::FnTechnique;
 pub use linear::Linear;
 pub use mixture::Mixture;
+pub use normal::Normal;
 pub use numeric_inverse::NumericInverse;
 pub use piecewise::PiecewiseConstant;
 pub use power_law::PowerLaw;
 pub use product::{Product, ProductVec, UniformBox};
 pub use statrs::Statrs;
 pub use truncated::Truncated;
+pub use truncated_cauchy::TruncatedCauchy;
+pub use truncated_normal::TruncatedNormal;
 pub use uniform::Uniform;
 
 /// A sampleable pdf: a map from canonical numbers to points, and the density that the map
