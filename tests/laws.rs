@@ -50,10 +50,9 @@ laws! {
 // Compositions and wrappers.
 
 use common::laws::{canonical_numbers, chi_squared, kolmogorov};
-use common::point_laws::check_points;
 use mis::technique::{
-    Affine, FnTechnique, InverseCdf, Mixture, NumericInverse, PiecewiseConstant, Product,
-    ProductVec, Statrs, Technique, Truncated, UniformBox,
+    Affine, FnTechnique, Mixture, NumericInverse, PiecewiseConstant, Product, ProductVec, Statrs,
+    Truncated, UniformBox,
 };
 use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2};
 
