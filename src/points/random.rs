@@ -63,7 +63,11 @@ impl PointSource for Random {
             if row > 0 {
                 generator.advance(u128::from(row) * dimension as u128);
             }
-            for u in block {
+            let (fours, last) = block.as_chunks_mut::<4>();
+            for four in fours {
+                *four = std::array::from_fn(|_| open_unit(generator.next_u64()));
+            }
+            for u in last {
                 *u = open_unit(generator.next_u64());
             }
             rest = tail;
