@@ -110,7 +110,7 @@ impl Cone {
         let width = if inside {
             2.0
         } else {
-            let sin = (r / d).min(1.0);
+            let sin = r / d;
             sin * sin / (1.0 + power.sqrt() / d)
         };
         if !(width.is_normal() && d.is_finite() && point.is_finite()) {
@@ -195,9 +195,11 @@ mod tests {
             let exact = 2.0 * TAU * (0.5 * s.asin()).sin().powi(2);
             assert!((cone(1.0, s).solid_angle() / exact - 1.0).abs() < 2e-15, "r/d = {s}");
         }
-        // Just above the surface, cos θ = sqrt(2e-12) to first order.
-        let gap = cone(1.0 + 1e-12, 1.0).solid_angle() / TAU;
-        assert!((1.0 - gap - 2e-12_f64.sqrt()).abs() < 2e-10, "{gap}");
+        // Just above the surface.
+        let d = 1.0 + 1e-12;
+        let above = Sphere::new(d * DVec3::Z, 1.0).unwrap().seen_from(DVec3::ZERO).unwrap();
+        let cos = ((d - 1.0) * (d + 1.0)).sqrt() / d;
+        assert!((above.solid_angle() / TAU - (1.0 - cos)).abs() < 4e-16, "{cos}");
         // On the surface, to rounding on either side: the half-space.
         for d in [1.0, 1.0 - f64::EPSILON] {
             assert!((cone(d, 1.0).solid_angle() / TAU - 1.0).abs() < 4e-8, "{d}");
@@ -234,6 +236,12 @@ mod tests {
             assert!(((t * w.vector() - centre).length() - 2.0).abs() < 4e-15);
             assert_eq!(cone.pdf(&w), 1.0 / (2.0 * TAU));
         }
+    }
+
+    #[test]
+    fn a_tangent_at_the_surface_hits_at_once() {
+        let on = Sphere::new(DVec3::Z, 1.0).unwrap().seen_from(DVec3::ZERO).unwrap();
+        assert_eq!(on.hit(&Direction::from_unit(DVec3::X)), Some(0.0));
     }
 
     #[test]
