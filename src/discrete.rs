@@ -4,8 +4,8 @@ use crate::error::ArgumentError;
 
 /// K probabilities and their running sums.
 ///
-/// `select(u)` is k for u in \[P_0 + ... + P_(k-1), P_0 + ... + P_k), so it is k with probability
-/// P_k. Where rounding lets the sums end below 1, the last alternative with P > 0 takes the rest.
+/// `select(u)` is k for u from P₀ + ... + Pₖ₋₁, included, to P₀ + ... + Pₖ, excluded, so it is k with
+/// probability Pₖ. Where rounding lets the sums end below 1, the last alternative with P > 0 takes the rest.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Discrete {
     probabilities: Vec<f64>,
@@ -60,7 +60,7 @@ impl Discrete {
         }
     }
 
-    /// P_0, P_1, ...
+    /// P₀, P₁, ...
     pub(crate) fn probabilities(&self) -> &[f64] {
         &self.probabilities
     }

@@ -5,6 +5,7 @@ mod error;
 mod estimate;
 mod estimator;
 mod integrand;
+mod lanes;
 #[cfg(feature = "lighting")]
 pub mod lighting;
 mod moments;

@@ -1,9 +1,10 @@
 //! Running means and variances of contributions.
 
+use crate::lanes;
+
 /// Count, mean and squared deviations of the contributions y of one technique, one component.
 ///
-/// A block is summed about its first element, in lanes, and corrected by the sum of the
-/// deviations (the two-pass formula); blocks merge by the update of T. F. Chan, G. H. Golub and R. J.
+/// A block is summed about its first element, in lanes, then its squares about the mean; blocks merge by the update of T. F. Chan, G. H. Golub and R. J.
 /// LeVeque, *Algorithms for Computing the Sample Variance*, 1983, doi:10.1080/00031305.1983.10483115.
 /// Equal numbers so have a variance of exactly 0, and a large offset costs no digits. Sums are
 /// not compensated: an error of a few ULP of the largest contribution is far below the sampling
@@ -17,41 +18,32 @@ pub(crate) struct Moments {
     pub(crate) mean: f64,
     m2: f64,
     exponent: i32,
-    /// The largest |y|, signed, and the index of its sample (the first such).
+    /// The largest |y|.
     pub(crate) largest: f64,
-    pub(crate) largest_at: u64,
 }
 
-const LANES: usize = 8;
-
 impl Moments {
-    /// The moments of a block; `index` numbers its samples.
-    pub(crate) fn of_block(ys: &[f64], index: impl Fn(usize) -> u64) -> Self {
-        let Some(first) = ys.first() else { return Self::default() };
-        let magnitude = largest_magnitude(ys);
+    /// The moments of a block. The mean is finite if and only if every y is.
+    pub(crate) fn of_block(ys: &[f64]) -> Self {
+        let largest = lanes::largest_magnitude(ys);
         // Within these bounds squares neither overflow nor lose a digit that matters.
-        let exponent = if magnitude == 0.0 || (1e-120..1e120).contains(&magnitude) {
+        let exponent = if largest == 0.0 || (1e-120..1e120).contains(&largest) {
             0
         } else {
-            libm::frexp(magnitude).1.clamp(-1020, 1020)
+            libm::frexp(largest).1.clamp(-1020, 1020)
         };
         let unit = libm::ldexp(1.0, -exponent);
-        let shift = first * unit;
-        let sum = lanes(ys, |y| y * unit - shift);
-        let mean = sum / ys.len() as f64;
-        let m2 = lanes(ys, |y| {
-            let d = y * unit - shift - mean;
-            d * d
-        });
-        let at = ys.iter().position(|y| y.abs() == magnitude).unwrap_or(0);
-        Self {
-            count: ys.len() as u64,
-            mean: (shift + mean) / unit,
-            m2,
-            exponent,
-            largest: ys[at],
-            largest_at: index(at),
-        }
+        let scaled: Vec<f64>;
+        let in_unit = if exponent == 0 {
+            ys
+        } else {
+            scaled = ys.iter().map(|y| y * unit).collect();
+            &scaled
+        };
+        let Some(first) = in_unit.first() else { return Self::default() };
+        let mean = first + lanes::sum(in_unit, |y| y - first) / ys.len() as f64;
+        let m2 = lanes::sum(in_unit, |y| (y - mean) * (y - mean));
+        Self { count: ys.len() as u64, mean: mean / unit, m2, exponent, largest }
     }
 
     /// The moments of both sets of contributions together.
@@ -79,14 +71,12 @@ impl Moments {
                 libm::ldexp(m.m2, 2 * (m.exponent - exponent))
             }
         };
-        let larger = if other.largest.abs() > self.largest.abs() { &other } else { &self };
         Self {
             count: self.count + other.count,
             mean: (self.mean * unit + delta * (b / n)) / unit,
             m2: rescaled(&self) + rescaled(&other) + delta * delta * (a * b / n),
             exponent,
-            largest: larger.largest,
-            largest_at: larger.largest_at,
+            largest: self.largest.max(other.largest),
         }
     }
 
@@ -106,44 +96,32 @@ impl Moments {
     }
 }
 
-/// The largest |y|.
-fn largest_magnitude(ys: &[f64]) -> f64 {
-    let mut lane = [0.0_f64; LANES];
-    let mut chunks = ys.chunks_exact(LANES);
-    for chunk in &mut chunks {
-        for (m, y) in lane.iter_mut().zip(chunk) {
-            *m = if y.abs() > *m { y.abs() } else { *m };
-        }
-    }
-    lane.iter().chain(chunks.remainder()).fold(0.0, |m, y| y.abs().max(m))
+/// A contribution of large magnitude, and the index of its sample.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Extreme {
+    pub(crate) y: f64,
+    pub(crate) index: u64,
 }
 
-/// Σ `term`(y) in eight lanes, added pairwise.
-fn lanes(ys: &[f64], term: impl Fn(f64) -> f64) -> f64 {
-    let mut lane = [0.0; LANES];
-    let mut chunks = ys.chunks_exact(LANES);
-    for chunk in &mut chunks {
-        for (s, y) in lane.iter_mut().zip(chunk) {
-            *s += term(*y);
-        }
-    }
-    for (s, y) in lane.iter_mut().zip(chunks.remainder()) {
-        *s += term(*y);
-    }
-    let [a, b, c, d, e, f, g, h] = lane;
-    ((a + b) + (c + d)) + ((e + f) + (g + h))
-}
-
+/// The contributions of one technique, one component.
+///
 /// Merges blocks in a fixed binary tree over their order, so that rounding errors grow with the
 /// logarithm of the number of blocks, and the bits depend on the blocks alone.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct MergeTree {
+pub(crate) struct Accumulator {
     /// Complete subtrees, the largest first, with their levels.
     nodes: Vec<(u32, Moments)>,
+    /// The first of the largest magnitude.
+    pub(crate) extreme: Extreme,
 }
 
-impl MergeTree {
-    pub(crate) fn push(&mut self, block: Moments) {
+impl Accumulator {
+    /// Adds a block of contributions with its moments; `index` numbers its samples.
+    pub(crate) fn push(&mut self, ys: &[f64], block: Moments, index: impl Fn(usize) -> u64) {
+        if block.largest > self.extreme.y.abs() {
+            let found = ys.iter().enumerate().find(|(_, y)| y.abs() == block.largest);
+            self.extreme = found.map_or(self.extreme, |(j, y)| Extreme { y: *y, index: index(j) });
+        }
         let (mut level, mut merged) = (0, block);
         while let Some(&(_, left)) = self.nodes.last().filter(|node| node.0 == level) {
             self.nodes.pop();
@@ -160,10 +138,10 @@ impl MergeTree {
 
 #[cfg(test)]
 mod tests {
-    use super::{MergeTree, Moments};
+    use super::{Accumulator, Extreme, Moments};
 
     fn of(ys: &[f64]) -> Moments {
-        Moments::of_block(ys, |j| j as u64)
+        Moments::of_block(ys)
     }
 
     /// The sample variance, where it is representable.
@@ -199,10 +177,10 @@ mod tests {
         let ys: Vec<f64> = (0..1000).map(|k| f64::from(k * k % 997) - 300.0).collect();
         let whole = of(&ys);
         for cut in [1, 8, 500, 999] {
-            let merged = of(&ys[..cut]).merge(Moments::of_block(&ys[cut..], |j| (cut + j) as u64));
+            let merged = of(&ys[..cut]).merge(of(&ys[cut..]));
             assert!((merged.mean - whole.mean).abs() <= 1e-13 * 400.0);
             assert!((variance(&merged) / variance(&whole) - 1.0).abs() < 1e-13);
-            assert_eq!(merged.largest_at, whole.largest_at);
+            assert_eq!(merged.largest, whole.largest);
         }
         let exact_mean = ys.iter().sum::<f64>() / 1000.0; // integers: exact
         assert!((whole.mean - exact_mean).abs() < 1e-13 * 400.0);
@@ -245,23 +223,36 @@ mod tests {
 
     #[test]
     fn equal_terms_sum_to_rounding_error() {
-        let mut tree = MergeTree::default();
+        let mut sum = Accumulator::default();
         for _ in 0..1_000_000 / 250 {
-            tree.push(of(&[0.1; 250]));
+            sum.push(&[0.1; 250], of(&[0.1; 250]), |_| 0);
         }
-        assert_eq!(tree.total().mean, 0.1);
-        assert_eq!(tree.total().count, 1_000_000);
+        assert_eq!(sum.total().mean, 0.1);
+        assert_eq!(sum.total().count, 1_000_000);
     }
 
     #[test]
-    fn the_tree_keeps_the_first_of_the_largest() {
-        let mut tree = MergeTree::default();
+    fn the_first_of_the_largest_is_kept() {
+        let mut sum = Accumulator::default();
         for k in 0..7_u64 {
-            tree.push(Moments::of_block(&[1.0, if k % 2 == 1 { -5.0 } else { 2.0 }], |j| {
-                2 * k + j as u64
-            }));
+            let ys = [1.0, if k % 2 == 1 { -5.0 } else { 2.0 }];
+            sum.push(&ys, of(&ys), |j| 2 * k + j as u64);
         }
-        let total = tree.total();
-        assert_eq!((total.largest, total.largest_at, total.count), (-5.0, 3, 14));
+        assert_eq!(sum.extreme, Extreme { y: -5.0, index: 3 });
+        assert_eq!((sum.total().largest, sum.total().count), (5.0, 14));
+    }
+
+    #[test]
+    fn what_is_not_finite_shows_in_the_mean() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for n in [1, 8, 13, 250] {
+                for at in 0..n {
+                    let mut ys = vec![1.0; n];
+                    ys[at] = bad;
+                    assert!(!of(&ys).mean.is_finite(), "{bad} at {at} of {n}");
+                }
+            }
+        }
+        assert!(of(&[f64::MAX, -f64::MAX, 5e-324]).mean.is_finite());
     }
 }

@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 
 use crate::error::ArgumentError;
 use crate::integrand::Value;
-use crate::moments::Moments;
+use crate::moments::{Accumulator, Extreme, Moments};
 
 /// The result of an estimator.
 ///
@@ -24,9 +24,10 @@ pub struct Estimate<V = f64> {
     design: Design,
     /// How many samples each technique drew.
     samples: Vec<u64>,
-    /// One for each component of each technique, the technique's side by side; of contributions
+    /// One for each component of each technique, a technique's side by side; of contributions
     /// times the number of all samples, so that the estimate is their mean.
     moments: Vec<Moments>,
+    extremes: Vec<Extreme>,
     counts: Counts,
     value: PhantomData<V>,
 }
@@ -81,10 +82,12 @@ impl<V: Value> Estimate<V> {
     pub(crate) fn new(
         design: Design,
         samples: Vec<u64>,
-        moments: Vec<Moments>,
+        contributions: &[Accumulator],
         counts: Counts,
     ) -> Self {
-        Self { design, samples, moments, counts, value: PhantomData }
+        let moments = contributions.iter().map(Accumulator::total).collect();
+        let extremes = contributions.iter().map(|sum| sum.extreme).collect();
+        Self { design, samples, moments, extremes, counts, value: PhantomData }
     }
 
     /// The estimate of ∫ f.
@@ -145,6 +148,7 @@ impl<V: Value> Estimate<V> {
     }
 
     /// What each technique did, in the order in which they were given.
+    #[must_use]
     pub fn techniques(&self) -> impl ExactSizeIterator<Item = TechniqueSummary<V>> {
         (0..self.samples.len()).map(|i| TechniqueSummary {
             samples: self.samples[i],
@@ -186,10 +190,10 @@ impl<V: Value> Estimate<V> {
         V::each(|c| {
             let mut largest: Option<Largest> = None;
             for technique in 0..self.samples.len() {
-                let moments = self.of(technique, c);
-                let contribution = moments.largest / total;
+                let extreme = self.extremes[technique * V::COMPONENTS + c];
+                let contribution = extreme.y / total;
                 if contribution.abs() > largest.map_or(0.0, |l| l.contribution.abs()) {
-                    largest = Some(Largest { technique, sample: moments.largest_at, contribution });
+                    largest = Some(Largest { technique, sample: extreme.index, contribution });
                 }
             }
             largest

@@ -6,12 +6,13 @@ use super::Dyn;
 use crate::error::{EstimateError, Fault};
 use crate::estimate::Counts;
 use crate::integrand::{Integrand, Value};
-use crate::moments::{MergeTree, Moments};
-use crate::weighting::{Densities, Weighting};
+use crate::lanes;
+use crate::moments::{Accumulator, Moments};
+use crate::weighting::{Densities, SAFE, Weighting};
 
 /// Samples per block: the buffers of a few techniques fit the first-level cache, and a virtual
 /// call per block costs nothing.
-pub(super) const BLOCK: usize = 256;
+pub(super) const BLOCK: usize = 512;
 
 /// What to do with a sample that has no usable contribution: the integrand is not finite, the
 /// contribution overflows, or the technique's own pdf is 0, negative or NaN.
@@ -90,13 +91,20 @@ pub(super) struct Buffers<P, V> {
     pub(super) xi: Vec<f64>,
     xs: Vec<P>,
     values: Vec<V>,
-    /// A row of effective densities for each technique.
-    q: Vec<f64>,
+    /// A row of pdfs for each technique.
+    pdfs: Vec<f64>,
     /// w_i / q_i, times a_i / α_i.
     factors: Vec<f64>,
     /// A row of `BLOCK` contributions times N for each component.
     y: Vec<f64>,
-    /// Room for the ratios at one point, and their logarithms.
+    /// The block's moments of each component.
+    blocks: Vec<Moments>,
+    ratios: Ratios,
+}
+
+/// Room for the ratios r_k at one point, and their logarithms.
+#[derive(Debug)]
+struct Ratios {
     r: Vec<f64>,
     ln_r: Vec<f64>,
 }
@@ -104,15 +112,9 @@ pub(super) struct Buffers<P, V> {
 /// What is known of the samples so far.
 #[derive(Debug)]
 pub(super) struct Sums {
-    /// One for each component of each technique.
-    trees: Vec<MergeTree>,
+    /// One for each component of each technique, a technique's side by side.
+    pub(super) contributions: Vec<Accumulator>,
     pub(super) counts: Counts,
-}
-
-impl Sums {
-    pub(super) fn moments(&self) -> Vec<Moments> {
-        self.trees.iter().map(MergeTree::total).collect()
-    }
 }
 
 impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
@@ -122,14 +124,14 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             xi: Vec::new(),
             xs: Vec::new(),
             values: vec![V::zero(); BLOCK],
-            q: vec![0.0; BLOCK * techniques],
+            pdfs: vec![0.0; BLOCK * techniques],
             factors: vec![0.0; BLOCK],
             y: vec![0.0; BLOCK * V::COMPONENTS],
-            r: vec![0.0; techniques],
-            ln_r: vec![0.0; techniques],
+            blocks: vec![Moments::default(); V::COMPONENTS],
+            ratios: Ratios { r: vec![0.0; techniques], ln_r: vec![0.0; techniques] },
         };
-        let trees = vec![MergeTree::default(); V::COMPONENTS * techniques];
-        (buffers, Sums { trees, counts: Counts::default() })
+        let contributions = vec![Accumulator::default(); V::COMPONENTS * techniques];
+        (buffers, Sums { contributions, counts: Counts::default() })
     }
 
     /// Samples technique `i` at the rows of `buffers.xi`, at most `BLOCK` of them, and adds their
@@ -147,39 +149,45 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         F: Integrand<P> + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
-        let Buffers { xi, xs, values, q, factors, y, r, ln_r } = buffers;
+        let Buffers { xi, xs, values, pdfs, factors, y, blocks, ratios } = buffers;
         self.techniques[i].sample_batch(xi, xs);
         let n = xs.len().min(BLOCK);
         let (xs, values, factors) = (&xs[..n], &mut values[..n], &mut factors[..n]);
-        let q = &mut q[..n * self.techniques.len()];
+        let pdfs = &mut pdfs[..n * self.techniques.len()];
         f.eval_batch(xs, values);
 
         let constant = self.weighting.constant_weight(i, self.alpha);
-        let sound = self.densities(i, constant.is_some(), xs, q);
+        let sound = self.densities(i, constant.is_some(), xs, pdfs);
         if let Some(w) = constant {
-            for (factor, q) in factors.iter_mut().zip(&q[i * n..]) {
-                *factor = w / q;
+            let a = self.density_factors[i];
+            for (factor, p) in factors.iter_mut().zip(&pdfs[i * n..]) {
+                let q = a * p;
+                *factor = if SAFE.contains(&q) { w / q } else { f64::NAN };
             }
         } else {
-            let q = Densities::new(q, n);
-            self.weighting.weight_over_density_batch(i, &q, r, factors);
+            let q = Densities::new(self.density_factors, pdfs, n);
+            self.weighting.weight_over_density_batch(i, &q, &mut ratios.r, factors);
         }
         let model = self.density_factors[i] / self.alpha[i];
         if model != 1.0 {
-            factors.iter_mut().for_each(|factor| *factor *= model);
-        }
-
-        for (c, y) in y.chunks_exact_mut(BLOCK).enumerate() {
-            for ((y, value), factor) in y.iter_mut().zip(&*values).zip(&*factors) {
-                *y = value.times(c, *factor);
+            for factor in factors.iter_mut() {
+                *factor *= model;
             }
         }
-        // Beyond these bounds, or NaN, a factor is inexact.
-        let exact = factors.iter().all(|factor| factor.abs() < 1e300);
-        let finite = y.chunks_exact(BLOCK).all(|y| y[..n].iter().all(|y| y.is_finite()));
-        if !(sound && exact && finite) {
+
+        let mut zeros = 0;
+        for (c, y) in y.chunks_exact_mut(BLOCK).enumerate() {
+            zeros = 0;
+            for ((y, value), factor) in y.iter_mut().zip(&*values).zip(&*factors) {
+                *y = value.times(c, *factor);
+                zeros += u64::from(*y == 0.0);
+            }
+            blocks[c] = Moments::of_block(&y[..n]);
+        }
+        // A factor that is not exact is NaN, and so is then its contribution.
+        if !(sound && blocks.iter().all(|block| block.mean.is_finite())) {
             for j in 0..n {
-                let fault = self.check(i, &xs[j], &values[j], y, j, (factors[j], r, ln_r));
+                let fault = self.check(i, &xs[j], &values[j], y, j, ratios);
                 if let Err(fault) = fault {
                     if self.on_fault == OnFault::Error {
                         return Err(EstimateError::new(i, index(j), &xs[j], fault));
@@ -187,6 +195,10 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
                     sums.counts.count(&fault);
                     y.chunks_exact_mut(BLOCK).for_each(|y| y[j] = 0.0);
                 }
+            }
+            for (block, y) in blocks.iter_mut().zip(y.chunks_exact(BLOCK)) {
+                *block = Moments::of_block(&y[..n]);
+                zeros = y[..n].iter().map(|y| u64::from(*y == 0.0)).sum();
             }
         }
 
@@ -196,32 +208,30 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             inspect(&Sample { technique: i, index: index(j), x, value, y, total });
         }
         let rows = y.chunks_exact(BLOCK);
-        let zeros = (0..n).filter(|j| rows.clone().all(|y| y[*j] == 0.0)).count();
-        sums.counts.zero += zeros as u64;
-        let trees = &mut sums.trees[i * F::Value::COMPONENTS..];
-        for (tree, y) in trees.iter_mut().zip(rows) {
-            tree.push(Moments::of_block(&y[..n], &index));
+        if rows.len() > 1 {
+            zeros = (0..n).map(|j| u64::from(rows.clone().all(|y| y[j] == 0.0))).sum();
+        }
+        sums.counts.zero += zeros;
+        let contributions = &mut sums.contributions[i * F::Value::COMPONENTS..];
+        for ((sum, y), block) in contributions.iter_mut().zip(rows).zip(&*blocks) {
+            sum.push(&y[..n], *block, &index);
         }
         Ok(())
     }
 
-    /// Fills the rows of `q` that the weighting needs. False if a pdf is 0, negative, infinite or
-    /// NaN where it must not be, so that every sample has to be checked.
-    fn densities(&self, i: usize, own_only: bool, xs: &[P], q: &mut [f64]) -> bool {
+    /// Fills the rows of `pdfs` that the weighting needs. False if one is negative, or technique
+    /// `i`'s own is 0, so that every sample has to be looked at; infinity and NaN show in the
+    /// factors.
+    fn densities(&self, i: usize, own_only: bool, xs: &[P], pdfs: &mut [f64]) -> bool {
         let mut sound = true;
-        for (k, row) in q.chunks_exact_mut(xs.len().max(1)).enumerate() {
-            let a = self.density_factors[k];
+        for (k, row) in pdfs.chunks_exact_mut(xs.len().max(1)).enumerate() {
             if self.alpha[k] == 0.0 || (own_only && k != i) {
                 row.fill(0.0);
                 continue;
             }
             self.techniques[k].pdf_batch(xs, row);
-            if k == i {
-                sound &= row.iter().all(|p| *p > 0.0 && *p < f64::INFINITY);
-            } else {
-                sound &= row.iter().all(|p| *p >= 0.0);
-            }
-            row.iter_mut().for_each(|p| *p *= a);
+            let least = lanes::least(row);
+            sound &= least > 0.0 || (least == 0.0 && k != i);
         }
         sound
     }
@@ -235,7 +245,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         value: &V,
         y: &mut [f64],
         j: usize,
-        (factor, r, ln_r): (f64, &mut [f64], &mut [f64]),
+        Ratios { r, ln_r }: &mut Ratios,
     ) -> Result<(), Fault> {
         if !value.is_finite() {
             return Err(Fault::Value(format!("{value:?}")));
@@ -257,7 +267,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             *ln_q = self.density_factors[k].ln() + ln_pdf;
         }
         let finite = (0..V::COMPONENTS).all(|c| y[c * BLOCK + j].is_finite());
-        if finite && factor.abs() < 1e300 {
+        if finite {
             return Ok(());
         }
         let largest = ln_r.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -19,10 +19,10 @@ use crate::weighting::{Balance, Weighting};
 /// part: its pdf is not evaluated.
 ///
 /// ```
-/// use mis::{Estimator, MultiSample, technique::{PiecewiseConstant, Uniform}, weighting::Power};
+/// use mis::{Estimator, MultiSample, technique::{Linear, Uniform}, weighting::Power};
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let flat = Uniform::new(0.0, 1.0)?;
-/// let ramp = PiecewiseConstant::tabulate(0.0, 1.0, 4, |x| x)?;
+/// let ramp = Linear::new(0.0, 1.0, 0.0, 2.0)?;
 /// let mis = MultiSample::new(&[(&flat, 512), (&ramp, 512)])?.weighting(Power::squared())?;
 /// let estimate = mis.estimate(&|x: &f64| x.exp(), 1)?;
 /// assert!(estimate.interval(0.999)?.contains(1f64.exp() - 1.0));
@@ -115,7 +115,12 @@ impl<P: Debug, W: Weighting> Estimator<P> for MultiSample<'_, P, W> {
                 kernel.block(i, index, f, &mut buffers, &mut sums, &mut inspect)?;
             }
         }
-        Ok(Estimate::new(Design::Stratified, self.samples.clone(), sums.moments(), sums.counts))
+        Ok(Estimate::new(
+            Design::Stratified,
+            self.samples.clone(),
+            &sums.contributions,
+            sums.counts,
+        ))
     }
 }
 

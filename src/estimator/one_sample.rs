@@ -27,10 +27,10 @@ use crate::weighting::{Balance, Weighting};
 /// variance.
 ///
 /// ```
-/// use mis::{Estimator, OneSample, technique::{PiecewiseConstant, Uniform}};
+/// use mis::{Estimator, OneSample, technique::{Linear, Uniform}};
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let flat = Uniform::new(0.0, 1.0)?;
-/// let ramp = PiecewiseConstant::tabulate(0.0, 1.0, 4, |x| x)?;
+/// let ramp = Linear::new(0.0, 1.0, 0.0, 2.0)?;
 /// let mis = OneSample::new(&[(&flat, 0.25), (&ramp, 0.75)], 1024)?;
 /// let estimate = mis.estimate(&|x: &f64| x.exp(), 1)?;
 /// assert!(estimate.interval(0.999)?.contains(1f64.exp() - 1.0));
@@ -149,20 +149,25 @@ impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
             total: self.samples,
         };
         let (mut buffers, mut sums) = kernel.start();
-        let dimension = 1 + self.techniques.iter().map(|t| t.dimension()).max().unwrap_or(0);
+        let dimensions = self.techniques.iter().map(|technique: &Dyn<'_, P>| technique.dimension());
+        let dimension = 1 + dimensions.max().unwrap_or(0);
         let mut rows = Vec::new();
+        let mut choices = Vec::with_capacity(BLOCK);
         let mut selected = Vec::with_capacity(BLOCK);
         let mut samples = vec![0; self.techniques.len()];
         for first in (0..self.samples).step_by(BLOCK) {
             let n = usize::try_from(self.samples - first).map_or(BLOCK, |left| left.min(BLOCK));
             rows.resize(n * dimension, 0.0);
             points.fill(0, first, dimension, &mut rows)?;
+            let rows = rows.chunks_exact(dimension);
+            choices.clear();
+            choices.extend(rows.clone().map(|row| self.selection.select(row[0])));
             for (i, technique) in self.techniques.iter().enumerate() {
                 let xi = &mut buffers.xi;
                 xi.clear();
                 selected.clear();
-                for (row, index) in rows.chunks_exact(dimension).zip(first..) {
-                    if self.selection.select(row[0]) == i {
+                for ((row, choice), index) in rows.clone().zip(&choices).zip(first..) {
+                    if *choice == i {
                         xi.extend_from_slice(&row[1..=technique.dimension()]);
                         selected.push(index);
                     }
@@ -175,7 +180,7 @@ impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
                 kernel.block(i, index, f, &mut buffers, &mut sums, &mut inspect)?;
             }
         }
-        Ok(Estimate::new(Design::Pooled, samples, sums.moments(), sums.counts))
+        Ok(Estimate::new(Design::Pooled, samples, &sums.contributions, sums.counts))
     }
 }
 

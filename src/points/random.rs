@@ -73,9 +73,10 @@ impl PointSource for Random {
     }
 }
 
-/// The 52 upper bits as a number in (0, 1). With 53 bits, 1 - 2⁻⁵⁴ would round to 1.
+/// The 52 upper bits k as (k + 1/2) 2⁻⁵², a number in (0, 1). With 53 bits, the largest would round
+/// to 1. They are the mantissa of a number in \[1, 2), from which 1 - 2⁻⁵³ is subtracted exactly.
 fn open_unit(bits: u64) -> f64 {
-    ((bits >> 12) as f64 + 0.5) * (f64::EPSILON)
+    f64::from_bits(bits >> 12 | 1_f64.to_bits()) - (1.0 - f64::EPSILON / 2.0)
 }
 
 /// `SplitMix64`: add the golden gamma, then the finaliser.
@@ -108,7 +109,7 @@ mod tests {
         for (first, rows) in [(0, 1), (255, 2), (256, 256), (700, 300), (999, 1)] {
             assert_eq!(
                 numbers(1, 0, first, 3, rows),
-                whole[first as usize * 3..][..rows * 3],
+                whole[usize::try_from(first).unwrap() * 3..][..rows * 3],
                 "{first}"
             );
         }
@@ -146,7 +147,7 @@ mod tests {
                     (0..256)
                         .map(|k| {
                             let (seed, stream, sample) = at(k, t);
-                            numbers(seed, stream as usize, sample, 1, 1)[0] - 0.5
+                            numbers(seed, usize::try_from(stream).unwrap(), sample, 1, 1)[0] - 0.5
                         })
                         .sum()
                 })

@@ -5,8 +5,8 @@ use crate::error::{ArgumentError, finite};
 
 /// The density of x = shift + scale · y for y from a technique T, with respect to length.
 ///
-/// p(x) = p_T(y) / |scale| with y = (x - shift) / scale. For scale > 0: P(x) = P_T(y) and
-/// P⁻¹(u) = shift + scale · P_T⁻¹(u). A negative scale mirrors: the CDF is T's survival function,
+/// With g and G the density and the CDF of T and y = (x - shift) / scale: p(x) = g(y) / |scale|, and
+/// for scale > 0 P(x) = G(y) and P⁻¹(u) = shift + scale · G⁻¹(u). A negative scale mirrors: the CDF is T's survival function,
 /// and the inverse CDF its inverse.
 ///
 /// ```
@@ -103,7 +103,10 @@ impl<T: InverseCdf> Technique for Affine<T> {
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
-        if self.contains(*x) {
+        let p = self.pdf(x);
+        if p.is_normal() {
+            p.ln()
+        } else if self.contains(*x) {
             self.inner.ln_pdf(&self.preimage(*x)) - self.scale.abs().ln()
         } else {
             f64::NEG_INFINITY
@@ -156,10 +159,7 @@ mod tests {
         assert_eq!(p.ln_pdf(&7.9), f64::NEG_INFINITY);
         // The tail at 0, which was the lower one, keeps its precision as the upper one.
         let p = Affine::new(Uniform::unit(), 0.0, -1.0).unwrap();
-        assert_eq!(
-            (p.inverse_survival(1e-30), p.survival(-1e-30)),
-            (-1e-30, 1e-30)
-        );
+        assert_eq!((p.inverse_survival(1e-30), p.survival(-1e-30)), (-1e-30, 1e-30));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::{InverseCdf, Technique, canonical};
 use crate::error::{ArgumentError, greater};
+use crate::lanes;
 use std::fmt;
 
 /// A density on \[a, b\] given by its pdf, its CDF and its inverse CDF, with respect to length.
@@ -56,13 +57,7 @@ where
     /// The support must be two ends, not NaN, the second greater than the first.
     pub fn new(support: [f64; 2], pdf: P, cdf: C, inverse_cdf: I) -> Result<Self, ArgumentError> {
         let [a, b] = ends("FnTechnique", support)?;
-        Ok(Self {
-            a,
-            b,
-            pdf,
-            cdf,
-            inverse_cdf,
-        })
+        Ok(Self { a, b, pdf, cdf, inverse_cdf })
     }
 }
 
@@ -76,12 +71,25 @@ pub(super) fn ends(owner: &'static str, [a, b]: [f64; 2]) -> Result<[f64; 2], Ar
     Ok([a, b])
 }
 
+impl<P, C, I> FnTechnique<P, C, I> {
+    /// Whether the support contains all of `xs`, NaN aside: once a batch, this is cheaper than a
+    /// comparison for each.
+    fn contains_all(&self, xs: &[f64]) -> bool {
+        let (least, greatest) = lanes::bounds(xs);
+        self.a <= least && greatest <= self.b
+    }
+
+    /// `x`, or the nearer end of the support; NaN stays NaN.
+    fn confined(&self, x: f64) -> f64 {
+        let x = if x < self.a { self.a } else { x };
+        if x > self.b { self.b } else { x }
+    }
+}
+
 impl<P, C, I> fmt::Debug for FnTechnique<P, C, I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let support = [self.a, self.b];
-        f.debug_struct("FnTechnique")
-            .field("support", &support)
-            .finish_non_exhaustive()
+        f.debug_struct("FnTechnique").field("support", &support).finish_non_exhaustive()
     }
 }
 
@@ -98,14 +106,28 @@ where
     }
 
     fn sample(&self, xi: &[f64]) -> f64 {
-        (self.inverse_cdf)(canonical(xi, 0)).clamp(self.a, self.b)
+        self.confined((self.inverse_cdf)(canonical(xi, 0)))
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if self.a <= *x && *x <= self.b {
-            (self.pdf)(*x)
+        if self.a <= *x && *x <= self.b { (self.pdf)(*x) } else { 0.0 }
+    }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        xs.clear();
+        xs.extend(xi.iter().map(|u| (self.inverse_cdf)(canonical(&[*u], 0))));
+        if !self.contains_all(xs) {
+            for x in xs.iter_mut() {
+                *x = self.confined(*x);
+            }
+        }
+    }
+
+    fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
+        if self.contains_all(xs) {
+            out.iter_mut().zip(xs).for_each(|(p, x)| *p = (self.pdf)(*x));
         } else {
-            0.0
+            out.iter_mut().zip(xs).for_each(|(p, x)| *p = self.pdf(x));
         }
     }
 }
@@ -132,10 +154,15 @@ where
         } else if u == 1.0 {
             self.b
         } else if (0.0..=1.0).contains(&u) {
-            (self.inverse_cdf)(u).clamp(self.a, self.b)
+            self.confined((self.inverse_cdf)(u))
         } else {
             f64::NAN
         }
+    }
+
+    fn inverse_survival(&self, v: f64) -> f64 {
+        // 1 - v may round into the unit interval.
+        if (0.0..=1.0).contains(&v) { self.inverse_cdf(1.0 - v) } else { f64::NAN }
     }
 }
 
@@ -148,14 +175,13 @@ mod tests {
     fn closures_are_confined_to_the_support() {
         // The inverse overshoots, and pdf and cdf go on beyond the support.
         let p = FnTechnique::new([0.0, 1.0], |_| 1.0, |x| x, |u| 1.5 * u).unwrap();
-        assert_eq!(
-            (p.pdf(&-0.1), p.pdf(&0.0), p.pdf(&1.0), p.pdf(&1.1)),
-            (0.0, 1.0, 1.0, 0.0)
-        );
+        assert_eq!((p.pdf(&-0.1), p.pdf(&0.0), p.pdf(&1.0), p.pdf(&1.1)), (0.0, 1.0, 1.0, 0.0));
         assert_eq!((p.cdf(-3.0), p.cdf(0.25), p.cdf(3.0)), (0.0, 0.25, 1.0));
         assert_eq!((p.sample(&[0.9]), p.inverse_cdf(0.9)), (1.0, 1.0));
         assert_eq!((p.ln_pdf(&2.0), p.pdf(&f64::NAN)), (f64::NEG_INFINITY, 0.0));
-        assert!(p.inverse_cdf(-0.1).is_nan() && p.inverse_cdf(f64::NAN).is_nan());
+        for v in [-0.1, -5e-324, 1.1, f64::NAN] {
+            assert!(p.inverse_cdf(v).is_nan() && p.inverse_survival(v).is_nan());
+        }
         assert!(p.sample(&[]).is_nan() && p.cdf(f64::NAN).is_nan());
     }
 
@@ -182,11 +208,8 @@ mod tests {
 
     #[test]
     fn errors_name_argument_value_and_rule() {
-        let message = |support| {
-            FnTechnique::new(support, |_| 1.0, |x| x, |u| u)
-                .unwrap_err()
-                .to_string()
-        };
+        let message =
+            |support| FnTechnique::new(support, |_| 1.0, |x| x, |u| u).unwrap_err().to_string();
         assert_eq!(
             message([1.0, 0.0]),
             "FnTechnique: `support[1]` is 0.0, but it must be greater than support[0] = 1"

@@ -5,20 +5,40 @@
 //! importance distribution.
 
 mod affine;
+mod cauchy;
+mod exponential;
 mod fn_technique;
 mod invert;
+mod linear;
+mod mixture;
+mod normal;
+mod normal_tail;
 mod numeric_inverse;
 mod piecewise;
+mod power_law;
 mod product;
+mod statrs;
+mod tabulate;
 mod truncated;
+mod truncated_cauchy;
+mod truncated_normal;
 mod uniform;
 
 pub use affine::Affine;
+pub use cauchy::Cauchy;
+pub use exponential::Exponential;
 pub use fn_technique::FnTechnique;
+pub use linear::Linear;
+pub use mixture::Mixture;
+pub use normal::Normal;
 pub use numeric_inverse::NumericInverse;
 pub use piecewise::PiecewiseConstant;
+pub use power_law::PowerLaw;
 pub use product::{Product, ProductVec, UniformBox};
+pub use statrs::Statrs;
 pub use truncated::Truncated;
+pub use truncated_cauchy::TruncatedCauchy;
+pub use truncated_normal::TruncatedNormal;
 pub use uniform::Uniform;
 
 /// A sampleable pdf: a map from canonical numbers to points, and the density that the map
@@ -106,12 +126,19 @@ pub trait Technique: Sync {
     /// Points that `xs` holds already are written over, in place.
     fn sample_batch(&self, xi: &[f64], xs: &mut Vec<Self::Point>) {
         let dimension = self.dimension().max(1);
-        let mut rows = xi.chunks_exact(dimension);
-        xs.truncate(rows.len());
-        for (x, row) in xs.iter_mut().zip(&mut rows) {
-            self.sample_into(row, x);
+        xs.truncate(xi.len() / dimension);
+        let (old, new) = xi.split_at(xs.len() * dimension);
+        if dimension == 1 {
+            // The common case, without the bookkeeping of rows.
+            for (x, u) in xs.iter_mut().zip(old) {
+                self.sample_into(std::slice::from_ref(u), x);
+            }
+        } else {
+            for (x, row) in xs.iter_mut().zip(old.chunks_exact(dimension)) {
+                self.sample_into(row, x);
+            }
         }
-        xs.extend(rows.map(|row| self.sample(row)));
+        xs.extend(new.chunks_exact(dimension).map(|row| self.sample(row)));
     }
 
     /// [`pdf`](Technique::pdf) of every point of `xs`, into `out` of the same length.
@@ -141,10 +168,11 @@ pub trait InverseCdf: Technique<Point = f64> {
         1.0 - self.cdf(x)
     }
 
-    /// The x where `survival(x) = v`. Override it where it is known without computing 1 - v.
+    /// The x where `survival(x) = v`, for v in \[0, 1\]; NaN for any other v. Override it where it is
+    /// known without computing 1 - v.
     #[doc(alias = "isf")]
     fn inverse_survival(&self, v: f64) -> f64 {
-        self.inverse_cdf(1.0 - v)
+        if (0.0..=1.0).contains(&v) { self.inverse_cdf(1.0 - v) } else { f64::NAN }
     }
 
     /// The ends of the support, `(inverse_cdf(0), inverse_cdf(1))`.

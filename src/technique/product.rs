@@ -5,8 +5,8 @@ use crate::error::{ArgumentError, finite, greater};
 
 /// The density of D independent coordinates, with respect to Lebesgue measure on R^D.
 ///
-/// p(x) = p_1(x_1) ... p_D(x_D); each coordinate is sampled by its own inverse CDF from its own
-/// canonical number. ln p is the sum of the ln p_d, which is finite where the product of many
+/// p(x) = p₁(x₁) p₂(x₂) ...; each coordinate is sampled by its own inverse CDF from its own
+/// canonical number. ln p is the sum of their logarithms, which is finite where the product of many
 /// small densities is 0 in f64.
 ///
 /// Coordinates of different types go into one product as `Box<dyn InverseCdf>` or
@@ -50,7 +50,7 @@ impl<T: InverseCdf, const D: usize> Product<T, D> {
 }
 
 impl<const D: usize> Product<Uniform, D> {
-    /// The uniform density on the box from `lower` to `upper`: p(x) = Π 1 / (upper_d - lower_d).
+    /// The uniform density on the box from `lower` to `upper`: p(x) = Π 1 / (upper\[d\] - lower\[d\]).
     ///
     /// ```
     /// use mis::technique::{Technique, UniformBox};
@@ -137,7 +137,7 @@ impl<T: InverseCdf> ProductVec<T> {
 }
 
 impl ProductVec<Uniform> {
-    /// The uniform density on the box from `lower` to `upper`: p(x) = Π 1 / (upper_d - lower_d).
+    /// The uniform density on the box from `lower` to `upper`: p(x) = Π 1 / (upper\[d\] - lower\[d\]).
     ///
     /// # Errors
     ///
@@ -270,7 +270,7 @@ mod tests {
         let p = ProductVec::new(vec![Uniform::new(0.0, 10.0).unwrap(); 1000]).unwrap();
         let x = p.sample(&vec![0.3; 1000]);
         assert_eq!(p.pdf(&x), 0.0);
-        assert!((p.ln_pdf(&x) + 2302.585_092_994_045_7).abs() < 1e-10);
+        assert!((p.ln_pdf(&x) + 2_302.585_092_994_045_7).abs() < 1e-10);
         // Underflow and overflow on the way to a density of 1.
         let (small, large) =
             (Uniform::new(0.0, 1e200).unwrap(), Uniform::new(0.0, 1e-200).unwrap());

@@ -1,6 +1,8 @@
 //! The balance heuristic.
 
-use super::{Densities, Weighting};
+use crate::lanes::LANES;
+
+use super::{Densities, SAFE, Weighting};
 
 /// The balance heuristic, w_i = q_i / Σ q_k.
 ///
@@ -25,17 +27,28 @@ impl Weighting for Balance {
         _: &mut [f64],
         out: &mut [f64],
     ) {
-        let mut rows = q.rows();
-        if let Some(first) = rows.next() {
-            out.copy_from_slice(first);
-        }
-        for row in rows {
-            for (c, q) in out.iter_mut().zip(row) {
-                *c += q;
+        // Σ q_k in registers, eight points at a time; then the rest.
+        let whole = out.len() - out.len() % LANES;
+        let (mut least, mut greatest) = ([f64::INFINITY; LANES], [0.0; LANES]);
+        for (chunk, out) in out.chunks_exact_mut(LANES).enumerate() {
+            let mut c = [0.0; LANES];
+            for (a, p) in q.rows() {
+                let p = &p[chunk * LANES..][..LANES];
+                for (c, p) in c.iter_mut().zip(p) {
+                    *c += a * p;
+                }
+            }
+            for j in 0..LANES {
+                least[j] = if least[j] < c[j] { least[j] } else { c[j] };
+                greatest[j] = if greatest[j] > c[j] { greatest[j] } else { c[j] };
+                out[j] = c[j].recip();
             }
         }
-        for c in out {
-            *c = if super::SAFE.contains(c) { c.recip() } else { f64::NAN };
+        let factor = |c: f64| if SAFE.contains(&c) { c.recip() } else { f64::NAN };
+        let safe = least.iter().chain(&greatest).all(|c| SAFE.contains(c));
+        let first = if safe { whole } else { 0 };
+        for (j, out) in out.iter_mut().enumerate().skip(first) {
+            *out = factor(q.rows().map(|(a, p)| a * p[j]).sum());
         }
     }
 }

@@ -57,7 +57,8 @@ pub trait Weighting: Sync {
     /// w_i / r_i at a point where technique `i` has just drawn a sample, from all the ratios
     /// r_k = q_k / max q (the largest is exactly 1).
     ///
-    /// r_i may have underflowed to 0; the quotient is then the limit, if that is finite.
+    /// r_i may have underflowed to 0; the quotient is then the limit, if that is finite. NaN makes
+    /// the estimators ask for the logarithm instead.
     fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64;
 
     /// ln(w_i / r_i), where r_i may have underflowed but `ln_r`\[i\] has not.
@@ -69,7 +70,7 @@ pub trait Weighting: Sync {
     }
 
     /// w_i / q_i at every point of a block, into `out`; NaN where q leaves the range in which the
-    /// quotient is exact, for the estimator to turn to logarithms.
+    /// quotient has all its digits, for the estimator to turn to logarithms.
     ///
     /// `r` has room for the ratios at one point.
     fn weight_over_density_batch(
@@ -109,32 +110,33 @@ pub trait Weighting: Sync {
 }
 
 /// Where the largest density has a reciprocal that is a normal number with room to spare.
-const SAFE: std::ops::Range<f64> = 1e-290..1e290;
+pub(crate) const SAFE: std::ops::Range<f64> = 1e-290..1e290;
 
-/// The effective densities q_k of all techniques at the points of a block.
+/// The effective densities q_k = a_k p_k of all techniques at the points of a block.
 #[derive(Debug, Clone, Copy)]
 pub struct Densities<'a> {
-    q: &'a [f64],
+    factors: &'a [f64],
+    pdfs: &'a [f64],
     points: usize,
 }
 
 impl<'a> Densities<'a> {
-    /// `q` holds a row of `points` densities for each technique.
-    pub(crate) fn new(q: &'a [f64], points: usize) -> Self {
-        Self { q, points: points.max(1) }
+    /// `pdfs` holds a row of `points` densities for each technique.
+    pub(crate) fn new(factors: &'a [f64], pdfs: &'a [f64], points: usize) -> Self {
+        Self { factors, pdfs, points: points.max(1) }
     }
 
-    /// For each technique, its densities at all points of the block.
-    pub fn rows(&self) -> impl Iterator<Item = &'a [f64]> {
-        self.q.chunks_exact(self.points)
+    /// For each technique, its factor a_k and its pdf at all points of the block.
+    pub fn rows(&self) -> impl Iterator<Item = (f64, &'a [f64])> {
+        self.factors.iter().copied().zip(self.pdfs.chunks_exact(self.points))
     }
 
-    /// Puts the ratios q_k / max q at point `j` into `r`; returns max q.
+    /// Puts the ratios q_k / max q at point `j` into `r`; returns max q, NaN if any q is.
     fn ratios(&self, j: usize, r: &mut [f64]) -> f64 {
         let mut largest = 0.0_f64;
-        for (r, row) in r.iter_mut().zip(self.rows()) {
-            *r = row[j];
-            largest = largest.max(*r);
+        for (r, (a, p)) in r.iter_mut().zip(self.rows()) {
+            *r = a * p[j];
+            largest = if largest.is_nan() || *r <= largest { largest } else { *r };
         }
         for r in r {
             *r /= largest;
@@ -176,12 +178,15 @@ pub fn weights<W: Weighting + ?Sized>(weighting: &W, q: &[f64]) -> Option<Vec<f6
     let weight = |i: usize| {
         if let Some(w) = weighting.constant_weight(i, &present) {
             w
-        } else if q[i] == 0.0 {
+        } else if r[i] == 0.0 && (q[i] == 0.0 || largest.is_infinite()) {
             0.0
-        } else if r[i] >= f64::MIN_POSITIVE {
-            weighting.weight_over_ratio(i, &r) * r[i]
         } else {
-            (weighting.ln_weight_over_ratio(i, &ln_r, &r) + ln_r[i]).exp()
+            let w = weighting.weight_over_ratio(i, &r) * r[i];
+            if w.is_nan() {
+                (weighting.ln_weight_over_ratio(i, &ln_r, &r) + ln_r[i]).exp()
+            } else {
+                w
+            }
         }
     };
     Some((0..q.len()).map(weight).collect())

@@ -27,17 +27,17 @@ pub(crate) fn integral(f: &dyn Fn(f64) -> f64, a: f64, b: f64, scale: f64) -> f6
             term(f, x, weight)
         }
     };
-    let mut step = 0.25;
+    // Beyond |t| = 6.75 the weights under- or overflow.
+    let (mut last, mut step) = (27, 0.25);
     let mut previous = f64::NAN;
     loop {
-        let last = 6.75 / step;
-        let sum: f64 = (-last as i32..=last as i32).map(|k| node(step * f64::from(k))).sum();
-        let value = step * sum;
-        if (value - previous).abs() <= 1e-14 * value.abs() || step < 0.003 {
+        let nodes = (-last..=last).map(|k| node(step * f64::from(k)));
+        let value = step * nodes.sum::<f64>();
+        if (value - previous).abs() <= 1e-14 * value.abs() || last > 2000 {
             return value;
         }
         previous = value;
-        step *= 0.5;
+        (last, step) = (2 * last, 0.5 * step);
     }
 }
 

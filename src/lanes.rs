@@ -1,0 +1,84 @@
+//! Reductions over slices in eight lanes, which vectorise where a running total would not.
+
+pub(crate) const LANES: usize = 8;
+
+/// Folds `step` over every eighth element into each of eight lanes.
+#[inline]
+fn fold(xs: &[f64], start: f64, step: impl Fn(f64, f64) -> f64) -> [f64; LANES] {
+    let mut lanes = [start; LANES];
+    let mut chunks = xs.chunks_exact(LANES);
+    for chunk in &mut chunks {
+        for (lane, x) in lanes.iter_mut().zip(chunk) {
+            *lane = step(*lane, *x);
+        }
+    }
+    for (lane, x) in lanes.iter_mut().zip(chunks.remainder()) {
+        *lane = step(*lane, *x);
+    }
+    lanes
+}
+
+/// Σ `term`(x), lanes added pairwise.
+#[inline]
+pub(crate) fn sum(xs: &[f64], term: impl Fn(f64) -> f64) -> f64 {
+    let [a, b, c, d, e, f, g, h] = fold(xs, 0.0, |sum, x| sum + term(x));
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
+}
+
+/// The least element of those that are not NaN, or NaN; infinite for an empty slice.
+#[inline]
+pub(crate) fn least(xs: &[f64]) -> f64 {
+    let lanes = fold(xs, f64::INFINITY, |least, x| if least < x { least } else { x });
+    lanes.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// The least and the greatest element of those that are not NaN, or NaN.
+#[inline]
+pub(crate) fn bounds(xs: &[f64]) -> (f64, f64) {
+    let mut least = [f64::INFINITY; LANES];
+    let mut greatest = [f64::NEG_INFINITY; LANES];
+    let mut chunks = xs.chunks_exact(LANES);
+    for chunk in &mut chunks {
+        for ((least, greatest), x) in least.iter_mut().zip(&mut greatest).zip(chunk) {
+            *least = if *least < *x { *least } else { *x };
+            *greatest = if *greatest > *x { *greatest } else { *x };
+        }
+    }
+    let rest = chunks.remainder().iter().copied();
+    (
+        least.into_iter().chain(rest.clone()).fold(f64::INFINITY, f64::min),
+        greatest.into_iter().chain(rest).fold(f64::NEG_INFINITY, f64::max),
+    )
+}
+
+/// The largest magnitude of those that are not NaN, or NaN; 0 for an empty slice.
+#[inline]
+pub(crate) fn largest_magnitude(xs: &[f64]) -> f64 {
+    let lanes = fold(xs, 0.0, |most, x| if most > x.abs() { most } else { x.abs() });
+    lanes.into_iter().fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{bounds, largest_magnitude, least, sum};
+
+    #[test]
+    fn every_element_counts_at_every_length() {
+        for n in 1..40_u32 {
+            let xs: Vec<f64> = (0..n).map(f64::from).collect();
+            assert_eq!(sum(&xs, |x| 2.0 * x), f64::from(n * (n - 1)));
+            for at in 0..xs.len() {
+                let with = |x: f64| {
+                    let mut xs = xs.clone();
+                    xs[at] = x;
+                    xs
+                };
+                assert_eq!(least(&with(-1.0)), -1.0);
+                assert_eq!(largest_magnitude(&with(-100.0)), 100.0);
+                assert_eq!(bounds(&with(-1.0)).0, -1.0);
+                assert_eq!(bounds(&with(100.0)).1, 100.0);
+            }
+            assert_eq!(least(&xs), 0.0);
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! The exponential density, cut to an interval.
+
+use super::{InverseCdf, Technique, canonical};
+use crate::error::{ArgumentError, finite, greater};
+
+/// The exponential density of rate λ on \[a, b\], with respect to length.
+///
+/// p(x) = λ e^(-λ (x - a)) / (1 - e^(-λ (b - a))), P(x) = (1 - e^(-λ (x - a))) / (1 - e^(-λ (b - a))),
+/// P⁻¹(u) = a - ln(1 - u (1 - e^(-λ (b - a)))) / λ.
+///
+/// The rate has any sign: a negative one makes the density grow towards b, and 0 is the uniform
+/// density, which is approached continuously. Where λ > 0, b may be infinite.
+///
+/// ```
+/// use mis::technique::{Exponential, InverseCdf, Technique};
+/// # fn main() -> Result<(), mis::ArgumentError> {
+/// let p = Exponential::new(2.0, 0.0, f64::INFINITY)?;
+/// assert_eq!(p.pdf(&0.0), 2.0);
+/// assert!((p.survival(10.0) / (-20.0_f64).exp() - 1.0).abs() < 1e-15);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// Masses are taken from the dense end with `exp_m1` and `ln_1p`, and those of the thin end
+/// without subtracting from 1, so both tails keep their relative accuracy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exponential {
+    a: f64,
+    b: f64,
+    decay: Decay,
+    /// The dense end is b.
+    grows: bool,
+}
+
+impl Exponential {
+    /// The exponential density of rate `rate` on \[a, b\].
+    ///
+    /// # Errors
+    ///
+    /// `rate` and `a` must be finite, b > a, and `b` finite unless rate > 0. No density and no
+    /// sample may leave the range of normal numbers.
+    pub fn new(rate: f64, a: f64, b: f64) -> Result<Self, ArgumentError> {
+        finite("Exponential", "rate", rate)?;
+        finite("Exponential", "a", a)?;
+        greater("Exponential", "b", b, "a", a)?;
+        if b.is_infinite() && rate <= 0.0 {
+            let rule = "it must be finite, since the rate is not greater than 0";
+            return Err(ArgumentError::new("Exponential", "b", b, rule));
+        }
+        if b.is_finite() && !(b - a).is_normal() {
+            let rule = "it must be within the range of normal numbers";
+            return Err(ArgumentError::new("Exponential", "b - a", b - a, rule));
+        }
+        let decay = Decay::new(rate.abs(), b - a);
+        let this = Self { a, b, decay, grows: rate < 0.0 };
+        let samples = [this.sample(&[0.0]), this.sample(&[1.0])];
+        let densities = [decay.density(0.0), this.pdf(&samples[0]), this.pdf(&samples[1])];
+        if !(samples.iter().all(|x| x.is_finite()) && densities.iter().all(|p| p.is_normal())) {
+            let rule = "samples and their densities must be within the range of normal numbers";
+            return Err(ArgumentError::new("Exponential", "rate", rate, rule));
+        }
+        Ok(this)
+    }
+
+    /// The distances of `x` to the dense and to the thin end.
+    fn distances(&self, x: f64) -> (f64, f64) {
+        let x = x.clamp(self.a, self.b);
+        let above = if x == self.b { 0.0 } else { self.b - x }; // b may be infinite
+        if self.grows { (above, x - self.a) } else { (x - self.a, above) }
+    }
+
+    /// The x with the mass `below` under it and `above` = 1 - `below` over it.
+    fn inverse(&self, below: f64, above: f64) -> f64 {
+        if !(0.0..=1.0).contains(&below) || !(0.0..=1.0).contains(&above) {
+            return f64::NAN;
+        }
+        if below == 0.0 {
+            return self.a;
+        }
+        if above == 0.0 {
+            return self.b;
+        }
+        let x = if self.grows {
+            match self.decay.place(above, below) {
+                Place::Dense(t) => self.b - t,
+                Place::Thin(t) => self.a + t,
+            }
+        } else {
+            match self.decay.place(below, above) {
+                Place::Dense(t) => self.a + t,
+                Place::Thin(t) => self.b - t,
+            }
+        };
+        x.clamp(self.a, self.b)
+    }
+}
+
+impl Technique for Exponential {
+    type Point = f64;
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn sample(&self, xi: &[f64]) -> f64 {
+        self.inverse_cdf(canonical(xi, 0))
+    }
+
+    fn pdf(&self, x: &f64) -> f64 {
+        if self.a <= *x && *x <= self.b { self.decay.density(self.distances(*x).0) } else { 0.0 }
+    }
+
+    fn ln_pdf(&self, x: &f64) -> f64 {
+        if self.a <= *x && *x <= self.b {
+            self.decay.ln_density(self.distances(*x).0)
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
+}
+
+impl InverseCdf for Exponential {
+    fn cdf(&self, x: f64) -> f64 {
+        let (dense, thin) = self.distances(x);
+        if self.grows { self.decay.thin_mass(dense, thin) } else { self.decay.dense_mass(dense) }
+    }
+
+    fn inverse_cdf(&self, u: f64) -> f64 {
+        self.inverse(u, 1.0 - u)
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        let (dense, thin) = self.distances(x);
+        if self.grows { self.decay.dense_mass(dense) } else { self.decay.thin_mass(dense, thin) }
+    }
+
+    fn inverse_survival(&self, v: f64) -> f64 {
+        self.inverse(1.0 - v, v)
+    }
+}
+
+/// The density of e^(-rate t) on \[0, width\], t counted from the dense end, rate >= 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Decay {
+    rate: f64,
+    width: f64,
+    /// ∫ e^(-rate t) over the width.
+    norm: f64,
+}
+
+/// Where a mass ends, counted from the nearer end.
+pub(super) enum Place {
+    /// This far from the dense end.
+    Dense(f64),
+    /// This far from the thin end.
+    Thin(f64),
+}
+
+impl Decay {
+    /// `rate` >= 0 is finite; `width` > 0 may be infinite where rate > 0.
+    pub(super) fn new(rate: f64, width: f64) -> Self {
+        Self { rate, width, norm: integral(rate, width) }
+    }
+
+    pub(super) fn density(&self, t: f64) -> f64 {
+        (-self.rate * t).exp() / self.norm
+    }
+
+    pub(super) fn ln_density(&self, t: f64) -> f64 {
+        -self.rate * t - self.norm.ln()
+    }
+
+    /// The mass between the dense end and `t`.
+    pub(super) fn dense_mass(&self, t: f64) -> f64 {
+        integral(self.rate, t) / self.norm
+    }
+
+    /// The mass between `t` and the thin end, which is at the distance `rest` from `t`.
+    pub(super) fn thin_mass(&self, t: f64, rest: f64) -> f64 {
+        (-self.rate * t).exp() * (integral(self.rate, rest) / self.norm)
+    }
+
+    /// The place with the mass `dense` on one side and `thin` = 1 - `dense` on the other.
+    pub(super) fn place(&self, dense: f64, thin: f64) -> Place {
+        let depth = self.rate * self.width;
+        if dense < thin {
+            let y = dense * -(-depth).exp_m1();
+            if y < f64::MIN_POSITIVE {
+                return Place::Dense(dense * self.norm);
+            }
+            return Place::Dense(-(-y).ln_1p() / self.rate);
+        }
+        let y = thin * depth.exp_m1();
+        if y < f64::MIN_POSITIVE {
+            return Place::Thin(thin * (self.norm * depth.exp()));
+        }
+        if y < 1.0 {
+            return Place::Thin(y.ln_1p() / self.rate);
+        }
+        Place::Dense(-(thin + dense * (-depth).exp()).ln() / self.rate)
+    }
+}
+
+/// ∫ e^(-rate s) ds from 0 to t.
+fn integral(rate: f64, t: f64) -> f64 {
+    let y = rate * t;
+    if y < f64::MIN_POSITIVE {
+        t // y has lost digits or is 0
+    } else {
+        -(-y).exp_m1() / rate
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_arguments_are_named() {
+        let inf = f64::INFINITY;
+        for ((rate, a, b), message) in [
+            ((f64::NAN, 0.0, 1.0), "Exponential: `rate` is NaN, but it must be finite"),
+            ((1.0, -inf, 1.0), "Exponential: `a` is -inf, but it must be finite"),
+            ((1.0, 1.0, 0.0), "Exponential: `b` is 0.0, but it must be greater than a = 1"),
+            ((1.0, 1.0, f64::NAN), "Exponential: `b` is NaN, but it must be greater than a = 1"),
+            (
+                (0.0, 0.0, inf),
+                "Exponential: `b` is inf, but it must be finite, since the rate is not greater than 0",
+            ),
+            (
+                (1.0, -1e308, 1e308),
+                "Exponential: `b - a` is inf, but it must be within the range of normal numbers",
+            ),
+            (
+                (1e-308, 0.0, inf),
+                "Exponential: `rate` is 1e-308, but samples and their densities must be within \
+                 the range of normal numbers",
+            ),
+        ] {
+            assert_eq!(Exponential::new(rate, a, b).unwrap_err().to_string(), message);
+        }
+    }
+
+    #[test]
+    fn the_tail_of_the_last_canonical_number_is_finite() {
+        let p = Exponential::new(1.0, 0.0, f64::INFINITY).unwrap();
+        assert!((36.7..=36.74).contains(&p.sample(&[1.0])));
+    }
+
+    #[test]
+    fn rate_zero_is_the_uniform_density_and_its_neighbours_are_close() {
+        let uniform = crate::technique::Uniform::new(1.0, 3.0).unwrap();
+        for rate in [0.0, 5e-324, -5e-324, 1e-310, 1e-20, -1e-20] {
+            let p = Exponential::new(rate, 1.0, 3.0).unwrap();
+            for u in [1e-9, 0.25, 0.5, 0.75, 0.999] {
+                let x = uniform.inverse_cdf(u);
+                assert!((p.inverse_cdf(u) - x).abs() <= 2.0 * f64::EPSILON * x);
+                assert!((p.pdf(&x) - 0.5).abs() <= f64::EPSILON);
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The linear ramp.
+
+use super::{InverseCdf, Technique, canonical};
+use crate::error::{ArgumentError, finite, greater};
+
+/// The density on \[a, b\] that is proportional to a straight line, from the value f at a to the
+/// value g at b, with respect to length.
+///
+/// With s = (x - a) / (b - a): p(x) = 2 (f (1 - s) + g s) / ((f + g) (b - a)),
+/// P(x) = s (2 f + (g - f) s) / (f + g), and P⁻¹(u) is at
+/// s = u (f + g) / (f + √((1 - u) f² + u g²)).
+///
+/// ```
+/// use mis::technique::{InverseCdf, Linear, Technique};
+/// # fn main() -> Result<(), mis::ArgumentError> {
+/// let p = Linear::new(0.0, 2.0, 0.0, 1.0)?;
+/// assert_eq!(p.pdf(&1.0), 0.5);
+/// assert_eq!(p.cdf(1.0), 0.25);
+/// assert_eq!(p.sample(&[0.25]), 1.0);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// This root of the quadratic equation has no cancellation, a level line included. An end where
+/// the density is 0 is not sampled: a sample that would round to it is the number next to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Linear {
+    a: f64,
+    b: f64,
+    /// The values at the ends, the larger of them 1.
+    f: f64,
+    g: f64,
+}
+
+impl Linear {
+    /// The density on \[a, b\] proportional to the line from `value_a` at a to `value_b` at b.
+    ///
+    /// # Errors
+    ///
+    /// `a` and `b` must be finite, b > a, and b - a must neither overflow nor be subnormal. The
+    /// values must be finite, at least 0, and not both 0.
+    pub fn new(a: f64, b: f64, value_a: f64, value_b: f64) -> Result<Self, ArgumentError> {
+        finite("Linear", "a", a)?;
+        finite("Linear", "b", b)?;
+        greater("Linear", "b", b, "a", a)?;
+        if !(b - a).is_normal() {
+            let rule = "it must be within the range of normal numbers";
+            return Err(ArgumentError::new("Linear", "b - a", b - a, rule));
+        }
+        for (name, value) in [("value_a", value_a), ("value_b", value_b)] {
+            if !(value.is_finite() && value >= 0.0) {
+                let rule = "it must be finite and at least 0";
+                return Err(ArgumentError::new("Linear", name, value, rule));
+            }
+        }
+        let largest = value_a.max(value_b);
+        if largest == 0.0 {
+            let rule = "it must be greater than 0, since value_a is 0";
+            return Err(ArgumentError::new("Linear", "value_b", value_b, rule));
+        }
+        Ok(Self { a, b, f: value_a / largest, g: value_b / largest })
+    }
+
+    /// The share of the width between the end of value `f` and the point that cuts off the mass
+    /// `u` there.
+    fn share(u: f64, f: f64, g: f64) -> f64 {
+        u * (f + g) / (f + ((1.0 - u) * f * f + u * g * g).sqrt())
+    }
+
+    /// The mass between the end of value `f` and the share `s` of the width.
+    fn mass(s: f64, f: f64, g: f64) -> f64 {
+        s * ((2.0 - s) * f + s * g) / (f + g)
+    }
+
+    /// The x with the mass `below` under it and `above` = 1 - `below` over it.
+    fn inverse(&self, below: f64, above: f64) -> f64 {
+        if !(0.0..=1.0).contains(&below) || !(0.0..=1.0).contains(&above) {
+            return f64::NAN;
+        }
+        if below == 0.0 {
+            return self.a;
+        }
+        if above == 0.0 {
+            return self.b;
+        }
+        let width = self.b - self.a;
+        let x = if below < above {
+            self.a + width * Self::share(below, self.f, self.g)
+        } else {
+            self.b - width * Self::share(above, self.g, self.f)
+        };
+        let lowest = if self.f == 0.0 { self.a.next_up() } else { self.a };
+        let highest = if self.g == 0.0 { self.b.next_down() } else { self.b };
+        x.clamp(lowest, highest)
+    }
+}
+
+impl Technique for Linear {
+    type Point = f64;
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn sample(&self, xi: &[f64]) -> f64 {
+        self.inverse_cdf(canonical(xi, 0))
+    }
+
+    fn pdf(&self, x: &f64) -> f64 {
+        if !(self.a <= *x && *x <= self.b) {
+            return 0.0;
+        }
+        let width = self.b - self.a;
+        let line = self.f * ((self.b - x) / width) + self.g * ((x - self.a) / width);
+        2.0 * line / (self.f + self.g) / width
+    }
+}
+
+impl InverseCdf for Linear {
+    fn cdf(&self, x: f64) -> f64 {
+        let x = x.clamp(self.a, self.b);
+        Self::mass((x - self.a) / (self.b - self.a), self.f, self.g)
+    }
+
+    fn inverse_cdf(&self, u: f64) -> f64 {
+        self.inverse(u, 1.0 - u)
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        let x = x.clamp(self.a, self.b);
+        Self::mass((self.b - x) / (self.b - self.a), self.g, self.f)
+    }
+
+    fn inverse_survival(&self, v: f64) -> f64 {
+        self.inverse(1.0 - v, v)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_arguments_are_named() {
+        for ((a, b, f, g), message) in [
+            ((f64::NAN, 1.0, 1.0, 1.0), "Linear: `a` is NaN, but it must be finite"),
+            ((0.0, f64::INFINITY, 1.0, 1.0), "Linear: `b` is inf, but it must be finite"),
+            ((1.0, 0.0, 1.0, 1.0), "Linear: `b` is 0.0, but it must be greater than a = 1"),
+            (
+                (-1e308, 1e308, 1.0, 1.0),
+                "Linear: `b - a` is inf, but it must be within the range of normal numbers",
+            ),
+            (
+                (0.0, 1.0, -1.0, 1.0),
+                "Linear: `value_a` is -1.0, but it must be finite and at least 0",
+            ),
+            (
+                (0.0, 1.0, 1.0, f64::NAN),
+                "Linear: `value_b` is NaN, but it must be finite and at least 0",
+            ),
+            (
+                (0.0, 1.0, 0.0, 0.0),
+                "Linear: `value_b` is 0.0, but it must be greater than 0, since value_a is 0",
+            ),
+        ] {
+            assert_eq!(Linear::new(a, b, f, g).unwrap_err().to_string(), message);
+        }
+    }
+
+    #[test]
+    fn an_end_of_density_zero_is_not_sampled() {
+        let p = Linear::new(1.0, 1.0 + f64::EPSILON, 0.0, 1.0).unwrap();
+        let q = Linear::new(1.0, 1.0 + f64::EPSILON, 1.0, 0.0).unwrap();
+        for xi in [0.0, 0.1, 0.9, 1.0] {
+            assert!(p.pdf(&p.sample(&[xi])) > 0.0);
+            assert!(q.pdf(&q.sample(&[xi])) > 0.0);
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! The power law.
+
+use super::exponential::{Decay, Place};
+use super::{InverseCdf, Technique, canonical};
+use crate::error::{ArgumentError, finite, greater};
+
+/// The density proportional to x^a on \[lo, hi\], 0 <= lo < hi, with respect to length.
+///
+/// With m = a + 1: p(x) = m x^a / (hi^m - lo^m), P(x) = (x^m - lo^m) / (hi^m - lo^m),
+/// P⁻¹(u) = (lo^m + u (hi^m - lo^m))^(1/m); at a = -1, p(x) = 1 / (x ln(hi / lo)),
+/// P(x) = ln(x / lo) / ln(hi / lo), P⁻¹(u) = lo (hi / lo)^u.
+///
+/// ```
+/// use mis::technique::{InverseCdf, PowerLaw, Technique};
+/// # fn main() -> Result<(), mis::ArgumentError> {
+/// let p = PowerLaw::new(2.0, 0.0, 1.0)?;
+/// assert!((p.sample(&[0.125]) - 0.5).abs() < 1e-15);
+/// assert!((p.pdf(&0.5) - 0.75).abs() < 1e-15);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// ln x has the exponential density of rate -m, and everything is computed there: nothing
+/// overflows at large exponents, nothing cancels where lo and hi are close, and a = -1 is no
+/// special case but the rate 0.
+///
+/// For lo = 0 and a close to -1, samples can be smaller than any normal number; they are rounded
+/// up to [`f64::MIN_POSITIVE`], and the density at 0 is that of the same number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[doc(alias("power", "Pareto", "log-uniform", "reciprocal"))]
+pub struct PowerLaw {
+    exponent: f64,
+    lo: f64,
+    hi: f64,
+    /// In |ln(x / dense end)|.
+    decay: Decay,
+    /// The dense end of ln x is ln hi.
+    grows: bool,
+}
+
+impl PowerLaw {
+    /// The density proportional to x^`exponent` on \[lo, hi\].
+    ///
+    /// # Errors
+    ///
+    /// All arguments must be finite, lo >= 0, hi > lo, and hi > 0 a normal number; `exponent`
+    /// must be greater than -1 where lo = 0. No density may leave the range of normal numbers at
+    /// a sample.
+    pub fn new(exponent: f64, lo: f64, hi: f64) -> Result<Self, ArgumentError> {
+        finite("PowerLaw", "exponent", exponent)?;
+        finite("PowerLaw", "lo", lo)?;
+        finite("PowerLaw", "hi", hi)?;
+        if !(lo == 0.0 || lo.is_normal() && lo > 0.0) {
+            let rule = "it must be 0 or a positive normal number";
+            return Err(ArgumentError::new("PowerLaw", "lo", lo, rule));
+        }
+        greater("PowerLaw", "hi", hi, "lo", lo)?;
+        if !hi.is_normal() {
+            let rule = "it must be a normal number";
+            return Err(ArgumentError::new("PowerLaw", "hi", hi, rule));
+        }
+        let m = exponent + 1.0;
+        if lo == 0.0 && m <= 0.0 {
+            let rule = "it must be greater than -1, since lo is 0";
+            return Err(ArgumentError::new("PowerLaw", "exponent", exponent, rule));
+        }
+        let width = if lo == 0.0 { f64::INFINITY } else { ln_ratio(hi, lo) };
+        let decay = Decay::new(m.abs(), width);
+        let this = Self { exponent, lo, hi, decay, grows: m > 0.0 };
+        let samples = [0.0, 1.0].map(|xi| this.sample(&[xi]));
+        if ![samples[0], samples[1], this.edge()].iter().all(|x| this.pdf(x).is_normal()) {
+            let rule = "the densities of samples must be within the range of normal numbers";
+            return Err(ArgumentError::new("PowerLaw", "exponent", exponent, rule));
+        }
+        Ok(this)
+    }
+
+    /// The distances of ln x to the dense and to the thin end.
+    fn distances(&self, x: f64) -> (f64, f64) {
+        let x = x.clamp(self.lo, self.hi);
+        let (below, above) = (ln_ratio(x, self.lo), ln_ratio(self.hi, x));
+        if self.grows { (above, below) } else { (below, above) }
+    }
+
+    /// The end where ln x is dense.
+    fn edge(&self) -> f64 {
+        if self.grows { self.hi } else { self.lo }
+    }
+
+    /// ln((x / edge)^a).
+    fn ln_power(&self, x: f64) -> f64 {
+        let distance = self.distances(x).0;
+        if self.grows { -self.exponent * distance } else { self.exponent * distance }
+    }
+
+    /// The x with the mass `below` under it and `above` = 1 - `below` over it.
+    fn inverse(&self, below: f64, above: f64) -> f64 {
+        if !(0.0..=1.0).contains(&below) || !(0.0..=1.0).contains(&above) {
+            return f64::NAN;
+        }
+        if below == 0.0 {
+            return self.lo;
+        }
+        if above == 0.0 {
+            return self.hi;
+        }
+        let x = if self.grows {
+            match self.decay.place(above, below) {
+                Place::Dense(y) => self.down(y),
+                Place::Thin(y) => self.up(y),
+            }
+        } else {
+            match self.decay.place(below, above) {
+                Place::Dense(y) => self.up(y),
+                Place::Thin(y) => self.down(y),
+            }
+        };
+        x.clamp(self.lo.max(f64::MIN_POSITIVE), self.hi)
+    }
+
+    /// lo e^y. The larger y is taken in two steps: e^y may overflow where lo e^y does not.
+    fn up(&self, y: f64) -> f64 {
+        if y < 1.0 {
+            self.lo + self.lo * y.exp_m1()
+        } else {
+            let half = (0.5 * y).exp();
+            self.lo * half * half
+        }
+    }
+
+    /// hi e^(-y).
+    fn down(&self, y: f64) -> f64 {
+        if y < 1.0 {
+            self.hi + self.hi * (-y).exp_m1()
+        } else {
+            let half = (-0.5 * y).exp();
+            self.hi * half * half
+        }
+    }
+}
+
+/// ln(x / y) for x >= y >= 0.
+fn ln_ratio(x: f64, y: f64) -> f64 {
+    if x == y {
+        return 0.0; // both may be 0
+    }
+    let ratio = x / y;
+    if ratio < 2.0 {
+        ((x - y) / y).ln_1p()
+    } else if ratio == f64::INFINITY {
+        x.ln() - y.ln()
+    } else {
+        ratio.ln()
+    }
+}
+
+impl Technique for PowerLaw {
+    type Point = f64;
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn sample(&self, xi: &[f64]) -> f64 {
+        self.inverse_cdf(canonical(xi, 0))
+    }
+
+    fn pdf(&self, x: &f64) -> f64 {
+        if !(self.lo <= *x && *x <= self.hi) {
+            return 0.0;
+        }
+        let x = x.max(f64::MIN_POSITIVE);
+        let in_ln_x = self.decay.density(self.distances(x).0);
+        if in_ln_x.is_normal() {
+            return in_ln_x / x;
+        }
+        // The density of ln x has underflown, that of x need not have: by the root of x^a.
+        let root = (0.5 * self.ln_power(x)).exp();
+        self.decay.density(0.0) * root / self.edge() * root
+    }
+
+    fn ln_pdf(&self, x: &f64) -> f64 {
+        if !(self.lo <= *x && *x <= self.hi) {
+            return f64::NEG_INFINITY;
+        }
+        let x = x.max(f64::MIN_POSITIVE);
+        self.decay.ln_density(self.distances(x).0) - x.ln()
+    }
+}
+
+impl InverseCdf for PowerLaw {
+    fn cdf(&self, x: f64) -> f64 {
+        let (dense, thin) = self.distances(x);
+        if self.grows { self.decay.thin_mass(dense, thin) } else { self.decay.dense_mass(dense) }
+    }
+
+    fn inverse_cdf(&self, u: f64) -> f64 {
+        self.inverse(u, 1.0 - u)
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        let (dense, thin) = self.distances(x);
+        if self.grows { self.decay.dense_mass(dense) } else { self.decay.thin_mass(dense, thin) }
+    }
+
+    fn inverse_survival(&self, v: f64) -> f64 {
+        self.inverse(1.0 - v, v)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_arguments_are_named() {
+        for ((exponent, lo, hi), message) in [
+            ((f64::NAN, 0.0, 1.0), "PowerLaw: `exponent` is NaN, but it must be finite"),
+            ((1.0, 0.0, f64::INFINITY), "PowerLaw: `hi` is inf, but it must be finite"),
+            (
+                (1.0, -1.0, 1.0),
+                "PowerLaw: `lo` is -1.0, but it must be 0 or a positive normal number",
+            ),
+            ((1.0, 2.0, 1.0), "PowerLaw: `hi` is 1.0, but it must be greater than lo = 2"),
+            (
+                (-1.0, 0.0, 1.0),
+                "PowerLaw: `exponent` is -1.0, but it must be greater than -1, since lo is 0",
+            ),
+            (
+                (1e10, 0.0, 1e-300),
+                "PowerLaw: `exponent` is 10000000000.0, but the densities of samples must be \
+                 within the range of normal numbers",
+            ),
+        ] {
+            assert_eq!(PowerLaw::new(exponent, lo, hi).unwrap_err().to_string(), message);
+        }
+    }
+
+    #[test]
+    fn the_density_does_not_underflow_before_its_value_does() {
+        let p = PowerLaw::new(1.0, 0.0, 1.0).unwrap();
+        assert!((p.pdf(&1e-200) / 2e-200 - 1.0).abs() < 1e-12);
+        let p = PowerLaw::new(-0.1, 0.0, 1e300).unwrap();
+        let expected = 0.9 * 1e-270 * 1e30;
+        assert!((p.pdf(&1e-300) / expected - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn samples_do_not_underflow_to_a_point_of_infinite_density() {
+        let p = PowerLaw::new(-0.999, 0.0, 1.0).unwrap();
+        let x = p.sample(&[1e-3]);
+        assert_eq!(x, f64::MIN_POSITIVE);
+        assert!(p.pdf(&x).is_finite());
+    }
+}
