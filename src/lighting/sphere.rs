@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::direction::{Direction, Frame};
+use super::direction::{Direction, Frame, length};
 use crate::error::{ArgumentError, positive};
 use crate::technique::{Technique, canonical};
 
@@ -91,6 +91,8 @@ pub struct Cone {
     width: f64,
     /// The square of the largest distance from the axis, as unit vectors, that counts as a hit.
     reach2: f64,
+    /// The larger of distance and radius: the unit of what follows.
+    unit: f64,
     distance: f64,
     radius: f64,
     /// (d - r)(d + r): negative inside, 0 on the surface.
@@ -100,18 +102,20 @@ pub struct Cone {
 impl Cone {
     fn new(sphere: &Sphere, point: DVec3) -> Result<Self, ArgumentError> {
         let to_centre = sphere.centre - point;
-        let (d, r) = (to_centre.length(), sphere.radius);
+        let (d, r) = (length(to_centre), sphere.radius);
+        let unit = d.max(r);
         // What rounding of the three positions can make of d - r when the point is on the surface.
         let rounding = 4.0
             * f64::EPSILON
             * (point.abs().max_element() + sphere.centre.abs().max_element() + r);
         let inside = d < r - rounding;
-        let power = if inside { (d - r) * (d + r) } else { (d - r).max(0.0) * (d + r) };
+        let gap = if inside { d - r } else { (d - r).max(0.0) };
+        let power = (gap / unit) * (d / unit + r / unit);
         let width = if inside {
             2.0
         } else {
             let sin = r / d;
-            sin * sin / (1.0 + power.sqrt() / d)
+            sin * sin / (1.0 + power.sqrt())
         };
         if !(width.is_normal() && d.is_finite() && point.is_finite()) {
             let rule = "it must be finite, and the sphere's solid angle within the range of f64";
@@ -124,8 +128,9 @@ impl Cone {
             frame: Frame::new(axis),
             width,
             reach2: reach * reach,
-            distance: d,
-            radius: r,
+            unit,
+            distance: d / unit,
+            radius: r / unit,
             power,
         })
     }
@@ -150,12 +155,12 @@ impl Cone {
         let chord2 = self.radius * self.radius - self.distance * self.distance * q * (2.0 - q);
         let chord = chord2.max(0.0).sqrt();
         if self.power < 0.0 && along > 0.0 {
-            return Some(along + chord);
+            return Some(self.unit * (along + chord));
         }
         // The conjugate form of the near root (of the far root behind the centre, from inside),
         // which does not cancel.
         let sum = along.abs() + chord;
-        Some(if sum > 0.0 { self.power.abs() / sum } else { 0.0 })
+        Some(if sum > 0.0 { self.unit * (self.power.abs() / sum) } else { 0.0 })
     }
 }
 
