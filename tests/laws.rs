@@ -50,10 +50,9 @@ laws! {
 // Compositions and wrappers.
 
 use common::laws::{canonical_numbers, chi_squared, kolmogorov};
-use common::point_laws::check_points;
 use mis::technique::{
-    Affine, FnTechnique, InverseCdf, Mixture, NumericInverse, PiecewiseConstant, Product,
-    ProductVec, Statrs, Technique, Truncated, UniformBox,
+    Affine, FnTechnique, Mixture, NumericInverse, PiecewiseConstant, Product, ProductVec, Statrs,
+    Truncated, UniformBox,
 };
 use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2};
 
@@ -138,7 +137,7 @@ fn product_of_two_and_three() {
     let normal = numeric_normal().unwrap();
     check_points(&p, &[&normal, &normal], &|x| [x[0], x[1]], 100_000, 1e-12);
 
-    let (steps, sine) = (steps(), sine().unwrap());
+    let (steps, sine) = (steps().unwrap(), sine().unwrap());
     let unit = Uniform::unit();
     let coordinates: [&dyn InverseCdf; 3] = [&steps, &sine, &unit];
     let p = Product::new(coordinates).unwrap();
@@ -148,9 +147,9 @@ fn product_of_two_and_three() {
 #[test]
 fn product_of_run_time_length() {
     let coordinates: Vec<Box<dyn InverseCdf>> =
-        vec![Box::new(Uniform::unit()), Box::new(sine().unwrap()), Box::new(steps())];
+        vec![Box::new(Uniform::unit()), Box::new(sine().unwrap()), Box::new(steps().unwrap())];
     let p = ProductVec::new(coordinates).unwrap();
-    let marginals: [&dyn InverseCdf; 3] = [&Uniform::unit(), &sine().unwrap(), &steps()];
+    let marginals: [&dyn InverseCdf; 3] = [&Uniform::unit(), &sine().unwrap(), &steps().unwrap()];
     check_points(&p, &marginals, &|x| x.to_vec(), 100_000, 1e-12);
 }
 
@@ -200,8 +199,8 @@ fn mixture_on_the_line() {
     kolmogorov(&mut xs.iter().map(|&x| cdf(x)).collect::<Vec<f64>>());
 }
 
-fn steps() -> PiecewiseConstant {
-    PiecewiseConstant::new(&[0.0, 0.5, 2.0, 3.0], &[1.0, 0.0, 3.0]).unwrap()
+fn steps() -> Result<PiecewiseConstant, mis::ArgumentError> {
+    PiecewiseConstant::new(&[0.0, 0.5, 2.0, 3.0], &[1.0, 0.0, 3.0])
 }
 
 /// The laws of distributions of `statrs`, with the bound that [`Statrs`] states.

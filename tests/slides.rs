@@ -1,5 +1,7 @@
 //! The slides' three tables through the public estimators.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
 #[path = "../examples/slides/tables.rs"]
 mod tables;
 

@@ -1,6 +1,8 @@
 //! Weights at the numerical extremes, as the public function gives them and as the estimators
 //! apply them.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
 use mis::points::Replay;
 use mis::weighting::{Balance, Constant, Cutoff, Maximum, Power, Weighting, weights};
 use mis::{EstimateError, Estimator, MultiSample, OnFault, OneSample, Technique};
@@ -144,11 +146,11 @@ fn a_density_that_is_nan_or_negative_is_never_silently_0() {
 
 #[test]
 fn ties_share_and_the_weights_sum_to_1() {
-    for k in 1..20 {
+    for k in 1..20_u32 {
         for ties in 1..=k {
             let q: Vec<f64> = (0..k).map(|i| if i < ties { 0.7 } else { 0.1 }).collect();
             let expected: Vec<f64> =
-                (0..k).map(|i| if i < ties { 1.0 / ties as f64 } else { 0.0 }).collect();
+                (0..k).map(|i| if i < ties { 1.0 / f64::from(ties) } else { 0.0 }).collect();
             assert_weights(Maximum, &q, &expected);
             assert_weights(Cutoff::new(1.0).unwrap(), &q, &expected);
             assert_weights(Power::new(f64::INFINITY).unwrap(), &q, &expected);

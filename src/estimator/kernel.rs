@@ -151,7 +151,8 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
     {
         let Buffers { xi, xs, values, pdfs, factors, y, blocks, ratios } = buffers;
         self.techniques[i].sample_batch(xi, xs);
-        let n = xs.len().min(BLOCK);
+        let rows = xi.len() / self.techniques[i].dimension().max(1);
+        let n = xs.len().min(rows).min(BLOCK);
         let (xs, values, factors) = (&xs[..n], &mut values[..n], &mut factors[..n]);
         let pdfs = &mut pdfs[..n * self.techniques.len()];
         f.eval_batch(xs, values);

@@ -164,7 +164,7 @@ impl<T: Technique> Technique for Mixture<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ProductVec, Statrs, Uniform, UniformBox};
+    use super::super::{FnTechnique, ProductVec, Statrs, Uniform, UniformBox};
     use super::*;
 
     type Boxed = Box<dyn Technique<Point = [f64; 2]>>;
@@ -206,6 +206,18 @@ mod tests {
         // Ten times 0.1 sums to less than 1; the largest number still picks a component.
         let tenths: Vec<_> = (0..10).map(|k| (unit(f64::from(k)), 0.1)).collect();
         assert_eq!(Mixture::new(tenths).unwrap().sample(&[LARGEST, 0.5]), 9.5);
+    }
+
+    #[test]
+    fn probability_zero_is_never_evaluated() {
+        let poison = FnTechnique::new([-9.0, 9.0], |_| f64::NAN, |x| x, |u| u).unwrap();
+        let unit = unit(0.0);
+        let parts: Vec<(&dyn Technique<Point = f64>, f64)> = vec![(&poison, 0.0), (&unit, 1.0)];
+        let p = Mixture::new(parts).unwrap();
+        assert_eq!((p.pdf(&0.5), p.ln_pdf(&0.5)), (1.0, 0.0));
+        let mut out = [0.0];
+        p.pdf_batch(&[0.5], &mut out);
+        assert_eq!(out, [1.0]);
     }
 
     #[test]

@@ -120,14 +120,14 @@ pub trait Technique: Sync {
         *x = self.sample(xi);
     }
 
-    /// Makes `xs` hold one point for every row of [`dimension`](Technique::dimension) numbers in
-    /// `xi`.
+    /// Makes the first points of `xs` those of the rows of [`dimension`](Technique::dimension)
+    /// numbers in `xi`, one for each row.
     ///
-    /// Points that `xs` holds already are written over, in place.
+    /// Points that `xs` holds already are written over, in place; further ones may stay.
     fn sample_batch(&self, xi: &[f64], xs: &mut Vec<Self::Point>) {
         let dimension = self.dimension().max(1);
-        xs.truncate(xi.len() / dimension);
-        let (old, new) = xi.split_at(xs.len() * dimension);
+        let old = xs.len().min(xi.len() / dimension);
+        let (old, new) = xi.split_at(old * dimension);
         if dimension == 1 {
             // The common case, without the bookkeeping of rows.
             for (x, u) in xs.iter_mut().zip(old) {

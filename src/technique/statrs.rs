@@ -216,6 +216,13 @@ mod tests {
     }
 
     #[test]
+    fn panics_of_the_library_become_nan() {
+        let p = Statrs::new(d::Gamma::new(2.0, 1e-20).unwrap()).unwrap();
+        assert!(p.cdf(1e-310).is_nan() && p.survival(1e-310).is_nan());
+        assert!((p.cdf(p.inverse_cdf(1e-300)) / 1e-300 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn mass_that_floats_cannot_resolve_is_refused() {
         let error = Statrs::new(d::Gamma::new(0.01, 1.0).unwrap()).unwrap_err();
         assert!(error.argument().starts_with("cdf("), "{error}");
