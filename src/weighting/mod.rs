@@ -154,7 +154,7 @@ impl<'a> Densities<'a> {
 /// use mis::weighting::{Balance, Power, weights};
 /// # fn main() -> Result<(), mis::ArgumentError> {
 /// assert_eq!(weights(&Balance, &[1.0, 3.0]), Some(vec![0.25, 0.75]));
-/// assert_eq!(weights(&Power::new(2.0)?, &[1e-170, 3e-170]), Some(vec![0.1, 0.9]));
+/// assert_eq!(weights(&Power::new(2.0)?, &[1e-170, 2e-170]), Some(vec![0.2, 0.8]));
 /// assert_eq!(weights(&Balance, &[0.0, 0.0]), None);
 /// # Ok(())
 /// # }
