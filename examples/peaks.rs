@@ -1,7 +1,7 @@
 //! Narrow peaks, and a technique for each: where plain Monte Carlo fails.
 //!
 //! Two sums of normal peaks: three on the unit interval, drawn as a histogram, and two in five
-//! dimensions, where they fill less than a thousandth of the unit cube. The techniques know where the
+//! dimensions, where they fill about a millionth of the unit cube. The techniques know where the
 //! peaks are, and are a quarter too wide, as a guess would be. The tables show what uniform points
 //! make of it, what happens when a peak has no technique, and what each technique contributes to
 //! the value and to the variance.
@@ -31,10 +31,7 @@ const LINE: [Peak; 3] = [
 ];
 
 const CAMEL: [Peak; 2] =
-    [Peak { mass: 0.5, centre: 0.25, sd: 0.05 }, Peak { mass: 0.5, centre: 0.75, sd: 0.05 }];
-
-/// Of `CAMEL` in five dimensions.
-const CAMEL_EXACT: f64 = 0.999_998_566_742_962_3;
+    [Peak { mass: 0.5, centre: 0.25, sd: 0.02 }, Peak { mass: 0.5, centre: 0.75, sd: 0.02 }];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("z is the error in standard errors; largest is the greatest contribution of a single");
@@ -48,7 +45,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let f = |x: &[f64; 5]| sum(&CAMEL, x);
     let camel = exact::<5>(&CAMEL)?;
-    assert!((camel - CAMEL_EXACT).abs() < 1e-14, "the reference: {camel} and {CAMEL_EXACT}");
     println!("\nTwo peaks in five dimensions, uniform points");
     plain(&f, camel)?;
     println!("\nTwo peaks in five dimensions, 100000 samples");
@@ -127,7 +123,10 @@ fn plain<const D: usize>(
     let uniform = |n| MultiSample::new(&[(&cube, n)]);
     header("samples");
     for n in [100, 1_000, 10_000, 100_000, 1_000_000] {
-        row(&n.to_string(), &uniform(n)?.estimate(f, 1)?, exact)?;
+        let estimate = uniform(n)?.estimate(f, 1)?;
+        row(&n.to_string(), &estimate, exact)?;
+        let largest = estimate.largest().map_or(0.0, |largest| largest.contribution);
+        assert!(largest > 0.1 * estimate.value(), "the largest contribution gives no warning");
     }
     let runs = 1_000;
     let mut close = 0;
@@ -135,10 +134,12 @@ fn plain<const D: usize>(
         let estimate = uniform(1_000)?.estimate(f, seed)?;
         close += i32::from(estimate.interval(0.95)?.contains(exact));
     }
-    println!("Of {runs} runs of 1000 points, {close} have the exact value in their 95 % interval: a");
+    println!(
+        "Of {runs} runs of 1000 points, {close} have the exact value in their 95 % interval: a"
+    );
     println!("run that misses the peaks reports a small error. The largest contribution gives it");
     println!("away: one sample makes up much of the estimate.");
-    assert!(close < 500, "uniform points were meant to fail, but {close} intervals are right");
+    assert!(close < 100, "uniform points were meant to fail, but {close} intervals are right");
     Ok(())
 }
 
@@ -182,7 +183,9 @@ fn table<T: Technique<Point = [f64; D]> + Clone, const D: usize>(
         let error = estimate.standard_error().ok_or("every contribution is 0")?;
         assert!(error < exact * 2.0 / (n as f64).sqrt(), "{name}: {estimate} for {exact}");
     }
-    println!("The first technique, alone or with constant weights, never meets the other peaks, and");
+    println!(
+        "The first technique, alone or with constant weights, never meets the other peaks, and"
+    );
     println!("nothing in its samples tells.");
     Ok(())
 }
@@ -204,8 +207,9 @@ fn row(name: &str, estimate: &Estimate, exact: f64) -> Result<f64, Box<dyn Error
         let shares: Vec<String> = estimate.techniques().map(|t| share(of(&t))).collect();
         shares.join(" + ")
     };
+    let z_text = if z.abs() < 1e4 { format!("{z:.1}") } else { format!("{z:.0e}") };
     println!(
-        "{name:<21} {:>14} {z:>8.1} {:>7.2} %   {:<14} {}",
+        "{name:<21} {:>14} {z_text:>8} {:>7.3} %   {:<14} {}",
         estimate.to_string(),
         100.0 * largest,
         shares(|t| t.share_of_value),

@@ -62,7 +62,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let ln_f = |x: &Vec<f64>| LnValue::positive(ln_f(x));
     table([&**uniform, &**pole, &**growth], &ln_f, exact(large), 2_000)?;
 
-    println!("\nEvery combination is within 5 standard errors of the exact value, and its variance");
+    println!(
+        "\nEvery combination is within 5 standard errors of the exact value, and its variance"
+    );
     println!("is below the square of that value.");
     Ok(())
 }
@@ -153,12 +155,7 @@ where
 }
 
 /// Prints a row and checks it against a bound of its relative variance.
-fn row<V>(
-    name: &str,
-    bound: f64,
-    estimate: &Estimate<V>,
-    exact: f64,
-) -> Result<(), Box<dyn Error>>
+fn row<V>(name: &str, bound: f64, estimate: &Estimate<V>, exact: f64) -> Result<(), Box<dyn Error>>
 where
     V: Value<Each<f64> = f64>,
     V: Value<Each<Option<f64>> = Option<f64>>,
