@@ -1,9 +1,9 @@
 //! An integral over many dimensions: a product of two functions, and a technique for each.
 //!
-//! On the box \[0, 10\]^D, with t = x / 10, f is the product of
+//! On the box `[0, 10]^D`, with t = x / 10, f is the product of
 //!
-//! - a pole at the lower faces, Π t_d^-c_d with c_d = 0.8 / d, and
-//! - growth towards the upper corner, Π e^(-λ_d (1 - t_d)) with λ_d = 5 / d,
+//! - a pole at the lower faces, `Π t_d^-c_d` with `c_d = 0.8 / d`, and
+//! - growth towards the upper corner, `Π e^(-λ_d (1 - t_d))` with `λ_d = 5 / d`,
 //!
 //! over the volume 10^D. Each function can be sampled, coordinate by coordinate, but neither
 //! technique suits the product: the first misses the growth; the second, like uniform points, misses
@@ -27,6 +27,9 @@ use mis::{
 /// The side of the box.
 const SIDE: f64 = 10.0;
 
+/// The number of dimensions that is fixed.
+const D: usize = 3;
+
 fn main() -> Result<(), Box<dyn Error>> {
     let run_time = match std::env::args().nth(1) {
         None => 8,
@@ -37,7 +40,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("Variances are those of one sample, in units of the exact value squared. z is the");
     println!("error in standard errors; where the variance is infinite, neither means anything.");
 
-    const D: usize = 3;
     let (poles, growths) = (poles(D)?, growths(D)?);
     let pole = Product::<_, D>::new(std::array::from_fn(|d| poles[d]))?;
     let growth = Product::<_, D>::new(std::array::from_fn(|d| growths[d]))?;
@@ -69,7 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// c_d and λ_d of coordinate `d`, counted from 0: coordinates matter less and less.
+/// `c_d` and `λ_d` of coordinate `d`, counted from 0: coordinates matter less and less.
 fn parameters(d: usize) -> (f64, f64) {
     let d = (d + 1) as f64;
     (0.8 / d, 5.0 / d)
