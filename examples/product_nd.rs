@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let run_time = match std::env::args().nth(1) {
         None => 8,
         Some(text) => text.parse().ok().filter(|d| (1..=100).contains(d)).ok_or_else(|| {
-            format!("the number of dimensions is {text:?}, but it must be from 1 to 100")
+            format!("the number of dimensions is {text}, but it must be from 1 to 100")
         })?,
     };
     println!("Variances are those of one sample, in units of the exact value squared. z is the");
