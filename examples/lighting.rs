@@ -13,8 +13,11 @@ use mis::lighting::{
     Bsdf, DVec3, Direction, Incident, Lambert, Light, ModifiedPhong, Rectangle, ReflectedRadiance,
     Scene, Sphere, Surface,
 };
-use mis::weighting::{Cutoff, Maximum, Power};
-use mis::{Estimate, EstimateError, Estimator, Integrand, MultiSample, OneSample, Technique};
+use mis::technique::Mixture;
+use mis::weighting::{Constant, Cutoff, Maximum, Power};
+use mis::{
+    ArgumentError, Estimate, EstimateError, Estimator, Integrand, MultiSample, OneSample, Technique,
+};
 
 type Dyn<'a> = &'a dyn Technique<Point = Direction>;
 
@@ -114,14 +117,18 @@ fn table<B: Bsdf<Value = f64>>(
     let one = || OneSample::new(&selection, SAMPLES);
 
     let (only_lights, only_bsdf, balance) = (multi(&lights)?, multi(&lobes)?, multi(&all)?);
+    // Weights that do not depend on the direction need techniques that cover all the light.
+    let (any_light, any_lobe) = (mixture(&lights)?, mixture(&lobes)?);
+    let constant = multi(&[&any_light, &any_lobe])?.weighting(Constant::equal())?;
     let power = multi(&all)?.weighting(Power::squared())?;
     let cutoff = multi(&all)?.weighting(Cutoff::new(0.1)?)?;
     let maximum = multi(&all)?.weighting(Maximum)?;
     let (veach, slides) = (one()?, one()?.equal_factors());
     let f = &f;
-    let rows: [(&str, Run<'_>); 8] = [
+    let rows: [(&str, Run<'_>); 9] = [
         ("lights only", Box::new(move |seed| only_lights.estimate(f, seed))),
         ("BSDF only", Box::new(move |seed| only_bsdf.estimate(f, seed))),
+        ("a light + a lobe, constant 1/2", Box::new(move |seed| constant.estimate(f, seed))),
         ("lights + BSDF, balance", Box::new(move |seed| balance.estimate(f, seed))),
         ("lights + BSDF, power 2", Box::new(move |seed| power.estimate(f, seed))),
         ("lights + BSDF, cutoff 0.1", Box::new(move |seed| cutoff.estimate(f, seed))),
@@ -159,4 +166,10 @@ fn table<B: Bsdf<Value = f64>>(
 fn share<'a>(techniques: &[Dyn<'a>]) -> Vec<(Dyn<'a>, u64)> {
     let n = SAMPLES / techniques.len() as u64;
     techniques.iter().map(|technique| (*technique, n)).collect()
+}
+
+/// One of the techniques, all with the same probability.
+fn mixture<'a>(techniques: &[Dyn<'a>]) -> Result<Mixture<Dyn<'a>>, ArgumentError> {
+    let probability = 1.0 / techniques.len() as f64;
+    Mixture::new(techniques.iter().map(|technique| (*technique, probability)).collect())
 }

@@ -108,7 +108,7 @@ impl<const K: usize> Value for [f64; K] {
     }
 
     fn is_finite(&self) -> bool {
-        self.iter().all(|f| f.is_finite())
+        self.iter().all(Value::is_finite)
     }
 
     fn times(&self, component: usize, factor: f64) -> f64 {

@@ -18,11 +18,31 @@ fn fold(xs: &[f64], start: f64, step: impl Fn(f64, f64) -> f64) -> [f64; LANES] 
     lanes
 }
 
-/// Σ `term`(x), lanes added pairwise.
+/// Σ d and Σ d², with d = x - `shift`; lanes added pairwise.
 #[inline]
-pub(crate) fn sum(xs: &[f64], term: impl Fn(f64) -> f64) -> f64 {
-    let [a, b, c, d, e, f, g, h] = fold(xs, 0.0, |sum, x| sum + term(x));
-    ((a + b) + (c + d)) + ((e + f) + (g + h))
+pub(crate) fn sum_and_squares(xs: &[f64], shift: f64) -> (f64, f64) {
+    let (mut sum, mut squares) = ([0.0; LANES], [0.0; LANES]);
+    let (chunks, rest) = xs.as_chunks::<LANES>();
+    // Lanes without an element count as one that adds nothing.
+    let mut last = [shift; LANES];
+    last.iter_mut().zip(rest).for_each(|(last, x)| *last = *x);
+    for chunk in chunks.iter().chain([&last]) {
+        for ((sum, squares), x) in sum.iter_mut().zip(&mut squares).zip(chunk) {
+            let d = x - shift;
+            *sum += d;
+            *squares += d * d;
+        }
+    }
+    let pairwise =
+        |[a, b, c, d, e, f, g, h]: [f64; LANES]| ((a + b) + (c + d)) + ((e + f) + (g + h));
+    (pairwise(sum), pairwise(squares))
+}
+
+/// The largest magnitude of those that are not NaN, or NaN; 0 for an empty slice.
+#[inline]
+pub(crate) fn largest_magnitude(xs: &[f64]) -> f64 {
+    let lanes = fold(xs, 0.0, |most, x| if most > x.abs() { most } else { x.abs() });
+    lanes.into_iter().fold(0.0, f64::max)
 }
 
 /// The least element of those that are not NaN, or NaN; infinite for an empty slice.
@@ -51,22 +71,19 @@ pub(crate) fn bounds(xs: &[f64]) -> (f64, f64) {
     )
 }
 
-/// The largest magnitude of those that are not NaN, or NaN; 0 for an empty slice.
-#[inline]
-pub(crate) fn largest_magnitude(xs: &[f64]) -> f64 {
-    let lanes = fold(xs, 0.0, |most, x| if most > x.abs() { most } else { x.abs() });
-    lanes.into_iter().fold(0.0, f64::max)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{bounds, largest_magnitude, least, sum};
+    use super::{bounds, largest_magnitude, least, sum_and_squares};
 
     #[test]
     fn every_element_counts_at_every_length() {
         for n in 1..40_u32 {
             let xs: Vec<f64> = (0..n).map(f64::from).collect();
-            assert_eq!(sum(&xs, |x| 2.0 * x), f64::from(n * (n - 1)));
+            let exact = f64::from(n * (n - 1)) / 2.0;
+            let squares = f64::from(n * (n - 1) * (2 * n - 1)) / 6.0;
+            assert_eq!(sum_and_squares(&xs, 0.0), (exact, squares));
+            let shifted = (exact - f64::from(n), squares - 2.0 * exact + f64::from(n));
+            assert_eq!(sum_and_squares(&xs, 1.0), shifted);
             for at in 0..xs.len() {
                 let with = |x: f64| {
                     let mut xs = xs.clone();

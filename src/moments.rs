@@ -4,7 +4,9 @@ use crate::lanes;
 
 /// Count, mean and squared deviations of the contributions y of one technique, one component.
 ///
-/// A block is summed about its first element, in lanes, then its squares about the mean; blocks merge by the update of T. F. Chan, G. H. Golub and R. J.
+/// A block of n is summed about its first element y_0, in lanes: M2 = Σ d² - (Σ d)² / n with
+/// d = y - y_0. As y_0 is one of the block, M2 is at least 1 / (n - 1) of what is subtracted, so that
+/// at most the digits of n are lost, and the difference is never negative; blocks merge by the update of T. F. Chan, G. H. Golub and R. J.
 /// LeVeque, *Algorithms for Computing the Sample Variance*, 1983, doi:10.1080/00031305.1983.10483115.
 /// Equal numbers so have a variance of exactly 0, and a large offset costs no digits. Sums are
 /// not compensated: an error of a few ULP of the largest contribution is far below the sampling
@@ -41,9 +43,11 @@ impl Moments {
             &scaled
         };
         let Some(first) = in_unit.first() else { return Self::default() };
-        let mean = first + lanes::sum(in_unit, |y| y - first) / ys.len() as f64;
-        let m2 = lanes::sum(in_unit, |y| (y - mean) * (y - mean));
-        Self { count: ys.len() as u64, mean: mean / unit, m2, exponent, largest }
+        let n = ys.len() as f64;
+        let (sum, squares) = lanes::sum_and_squares(in_unit, *first);
+        let mean = (first + sum / n) / unit;
+        let m2 = squares - sum * sum / n;
+        Self { count: ys.len() as u64, mean, m2, exponent, largest }
     }
 
     /// The moments of both sets of contributions together.

@@ -1,11 +1,7 @@
 //! Densities, CDFs and inverses against values computed with mpmath to 400 digits and more.
 
 // Golden values are printed as they were computed; the table is one list.
-#![allow(
-    clippy::excessive_precision,
-    clippy::unreadable_literal,
-    clippy::approx_constant
-)]
+#![allow(clippy::excessive_precision, clippy::unreadable_literal, clippy::approx_constant)]
 #![allow(clippy::unwrap_used, clippy::too_many_lines)]
 
 use mis::technique::{Cauchy, InverseCdf, Normal, TruncatedCauchy, TruncatedNormal};
@@ -39,35 +35,11 @@ fn close(found: f64, expected: f64) -> bool {
 #[test]
 fn densities_and_masses() {
     for (p, x, pdf, cdf, survival) in [
-        (
-            normal(1.0, 2.0),
-            -50.0,
-            1.2585968525967024e-142,
-            9.856236518963929e-144,
-            1.0,
-        ),
-        (
-            normal(1.0, 2.0),
-            -3.5,
-            0.01586982591783371,
-            0.012224472655044703,
-            0.9877755273449553,
-        ),
+        (normal(1.0, 2.0), -50.0, 1.2585968525967024e-142, 9.856236518963929e-144, 1.0),
+        (normal(1.0, 2.0), -3.5, 0.01586982591783371, 0.012224472655044703, 0.9877755273449553),
         (normal(1.0, 2.0), 1.0, 0.19947114020071635, 0.5, 0.5),
-        (
-            normal(1.0, 2.0),
-            2.25,
-            0.1640804842751875,
-            0.7340144709512995,
-            0.26598552904870054,
-        ),
-        (
-            normal(1.0, 2.0),
-            30.0,
-            4.412377487297411e-47,
-            1.0,
-            6.057494764415221e-48,
-        ),
+        (normal(1.0, 2.0), 2.25, 0.1640804842751875, 0.7340144709512995, 0.26598552904870054),
+        (normal(1.0, 2.0), 30.0, 4.412377487297411e-47, 1.0, 6.057494764415221e-48),
         (
             truncated_normal(0.0, 1.0, -1.0, 2.0),
             -0.9,
@@ -89,13 +61,7 @@ fn densities_and_masses() {
             0.992711376589945,
             0.00728862341005497,
         ),
-        (
-            truncated_normal(0.0, 1.0, 100.0, 101.0),
-            100.0,
-            100.00999800099926,
-            0.0,
-            1.0,
-        ),
+        (truncated_normal(0.0, 1.0, 100.0, 101.0), 100.0, 100.00999800099926, 0.0, 1.0),
         (
             truncated_normal(0.0, 1.0, 100.0, 101.0),
             100.0078125,
@@ -166,20 +132,8 @@ fn densities_and_masses() {
             3.9788732144738824e-10,
             0.9999999996021127,
         ),
-        (
-            cauchy(91.1875, 1.25),
-            91.0,
-            0.24904440972814917,
-            0.45260685772251036,
-            0.5473931422774896,
-        ),
-        (
-            cauchy(91.1875, 1.25),
-            92.5,
-            0.12111672244805352,
-            0.7577621168183132,
-            0.2422378831816868,
-        ),
+        (cauchy(91.1875, 1.25), 91.0, 0.24904440972814917, 0.45260685772251036, 0.5473931422774896),
+        (cauchy(91.1875, 1.25), 92.5, 0.12111672244805352, 0.7577621168183132, 0.2422378831816868),
         (
             cauchy(91.1875, 1.25),
             100000.0,
@@ -223,21 +177,10 @@ fn densities_and_masses() {
             0.7499999999998125,
         ),
     ] {
-        assert!(
-            close(p.pdf(&x), pdf),
-            "pdf({x}) = {:e}, not {pdf:e}",
-            p.pdf(&x)
-        );
-        assert!(
-            close(p.cdf(x), cdf),
-            "cdf({x}) = {:e}, not {cdf:e}",
-            p.cdf(x)
-        );
+        assert!(close(p.pdf(&x), pdf), "pdf({x}) = {:e}, not {pdf:e}", p.pdf(&x));
+        assert!(close(p.cdf(x), cdf), "cdf({x}) = {:e}, not {cdf:e}", p.cdf(x));
         let found = p.survival(x);
-        assert!(
-            close(found, survival),
-            "survival({x}) = {found:e}, not {survival:e}"
-        );
+        assert!(close(found, survival), "survival({x}) = {found:e}, not {survival:e}");
     }
 }
 
@@ -249,45 +192,18 @@ fn inverses() {
         (normal(1.0, 2.0), 0.003, -4.495562770889985),
         (normal(1.0, 2.0), 0.4, 0.4933057937284005),
         (normal(1.0, 2.0), 0.9, 3.563103131089201),
-        (
-            truncated_normal(0.0, 1.0, -1.0, 2.0),
-            1e-09,
-            -0.9999999966169684,
-        ),
-        (
-            truncated_normal(0.0, 1.0, -1.0, 2.0),
-            0.3,
-            -0.24240381788922682,
-        ),
-        (
-            truncated_normal(0.0, 1.0, -1.0, 2.0),
-            0.9,
-            1.2557153641502152,
-        ),
+        (truncated_normal(0.0, 1.0, -1.0, 2.0), 1e-09, -0.9999999966169684),
+        (truncated_normal(0.0, 1.0, -1.0, 2.0), 0.3, -0.24240381788922682),
+        (truncated_normal(0.0, 1.0, -1.0, 2.0), 0.9, 1.2557153641502152),
         (cauchy(91.1875, 1.25), 1e-10, -3978873486.1098833),
         (cauchy(91.1875, 1.25), 0.1, 87.34039557853093),
         (cauchy(91.1875, 1.25), 0.45, 90.98951944959433),
         (cauchy(91.1875, 1.25), 0.99, 130.9631449422174),
-        (
-            truncated_cauchy(91.1875, 1.25, 60.0, 120.0),
-            0.001,
-            62.214512616056794,
-        ),
-        (
-            truncated_cauchy(91.1875, 1.25, 60.0, 120.0),
-            0.45,
-            90.9927494329789,
-        ),
-        (
-            truncated_cauchy(91.1875, 1.25, 60.0, 120.0),
-            0.99,
-            108.06261588087628,
-        ),
+        (truncated_cauchy(91.1875, 1.25, 60.0, 120.0), 0.001, 62.214512616056794),
+        (truncated_cauchy(91.1875, 1.25, 60.0, 120.0), 0.45, 90.9927494329789),
+        (truncated_cauchy(91.1875, 1.25, 60.0, 120.0), 0.99, 108.06261588087628),
     ] {
         let found = p.inverse_cdf(u);
-        assert!(
-            (found - x).abs() <= 1e-14 * x.abs(),
-            "inverse_cdf({u:e}) = {found}, not {x}"
-        );
+        assert!((found - x).abs() <= 1e-14 * x.abs(), "inverse_cdf({u:e}) = {found}, not {x}");
     }
 }

@@ -50,10 +50,9 @@ laws! {
 // Compositions and wrappers.
 
 use common::laws::{canonical_numbers, chi_squared, kolmogorov};
-use common::point_laws::check_points;
 use mis::technique::{
-    Affine, FnTechnique, InverseCdf, Mixture, NumericInverse, PiecewiseConstant, Product,
-    ProductVec, Statrs, Technique, Truncated, UniformBox,
+    Affine, FnTechnique, Mixture, NumericInverse, PiecewiseConstant, Product, ProductVec, Statrs,
+    Truncated, UniformBox,
 };
 use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2};
 
@@ -138,7 +137,7 @@ fn product_of_two_and_three() {
     let normal = numeric_normal().unwrap();
     check_points(&p, &[&normal, &normal], &|x| [x[0], x[1]], 100_000, 1e-12);
 
-    let (steps, sine) = (steps(), sine().unwrap());
+    let (steps, sine) = (steps().unwrap(), sine().unwrap());
     let unit = Uniform::unit();
     let coordinates: [&dyn InverseCdf; 3] = [&steps, &sine, &unit];
     let p = Product::new(coordinates).unwrap();
@@ -147,13 +146,10 @@ fn product_of_two_and_three() {
 
 #[test]
 fn product_of_run_time_length() {
-    let coordinates: Vec<Box<dyn InverseCdf>> = vec![
-        Box::new(Uniform::unit()),
-        Box::new(sine().unwrap()),
-        Box::new(steps()),
-    ];
+    let coordinates: Vec<Box<dyn InverseCdf>> =
+        vec![Box::new(Uniform::unit()), Box::new(sine().unwrap()), Box::new(steps().unwrap())];
     let p = ProductVec::new(coordinates).unwrap();
-    let marginals: [&dyn InverseCdf; 3] = [&Uniform::unit(), &sine().unwrap(), &steps()];
+    let marginals: [&dyn InverseCdf; 3] = [&Uniform::unit(), &sine().unwrap(), &steps().unwrap()];
     check_points(&p, &marginals, &|x| x.to_vec(), 100_000, 1e-12);
 }
 
@@ -197,24 +193,14 @@ fn mixture_on_the_line() {
     let cdf = |x: f64| parts.iter().map(|(part, p)| p * part.cdf(x)).sum::<f64>();
     let edges: Vec<f64> = (0..=44).map(|k| -7.0 + 0.25 * f64::from(k)).collect();
     let masses: Vec<f64> = edges.windows(2).map(|e| cdf(e[1]) - cdf(e[0])).collect();
-    let densities = edges
-        .windows(2)
-        .map(|e| (e[1] - e[0]) * p.pdf(&(0.5 * (e[0] + e[1]))));
-    assert!(
-        masses
-            .iter()
-            .zip(densities)
-            .all(|(m, d)| (m - d).abs() <= 4.0 * f64::EPSILON)
-    );
-    chi_squared(
-        &masses,
-        xs.iter().map(|x| edges.partition_point(|e| e <= x) - 1),
-    );
+    let densities = edges.windows(2).map(|e| (e[1] - e[0]) * p.pdf(&(0.5 * (e[0] + e[1]))));
+    assert!(masses.iter().zip(densities).all(|(m, d)| (m - d).abs() <= 4.0 * f64::EPSILON));
+    chi_squared(&masses, xs.iter().map(|x| edges.partition_point(|e| e <= x) - 1));
     kolmogorov(&mut xs.iter().map(|&x| cdf(x)).collect::<Vec<f64>>());
 }
 
-fn steps() -> PiecewiseConstant {
-    PiecewiseConstant::new(&[0.0, 0.5, 2.0, 3.0], &[1.0, 0.0, 3.0]).unwrap()
+fn steps() -> Result<PiecewiseConstant, mis::ArgumentError> {
+    PiecewiseConstant::new(&[0.0, 0.5, 2.0, 3.0], &[1.0, 0.0, 3.0])
 }
 
 /// The laws of distributions of `statrs`, with the bound that [`Statrs`] states.

@@ -82,7 +82,7 @@ impl<V: Value> Estimate<V> {
     pub(crate) fn new(
         design: Design,
         samples: Vec<u64>,
-        contributions: Vec<Accumulator>,
+        contributions: &[Accumulator],
         counts: Counts,
     ) -> Self {
         let moments = contributions.iter().map(Accumulator::total).collect();
@@ -148,6 +148,7 @@ impl<V: Value> Estimate<V> {
     }
 
     /// What each technique did, in the order in which they were given.
+    #[must_use]
     pub fn techniques(&self) -> impl ExactSizeIterator<Item = TechniqueSummary<V>> {
         (0..self.samples.len()).map(|i| TechniqueSummary {
             samples: self.samples[i],

@@ -99,7 +99,12 @@ pub(super) struct Buffers<P, V> {
     y: Vec<f64>,
     /// The block's moments of each component.
     blocks: Vec<Moments>,
-    /// Room for the ratios at one point, and their logarithms.
+    ratios: Ratios,
+}
+
+/// Room for the ratios r_k at one point, and their logarithms.
+#[derive(Debug)]
+struct Ratios {
     r: Vec<f64>,
     ln_r: Vec<f64>,
 }
@@ -123,8 +128,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             factors: vec![0.0; BLOCK],
             y: vec![0.0; BLOCK * V::COMPONENTS],
             blocks: vec![Moments::default(); V::COMPONENTS],
-            r: vec![0.0; techniques],
-            ln_r: vec![0.0; techniques],
+            ratios: Ratios { r: vec![0.0; techniques], ln_r: vec![0.0; techniques] },
         };
         let contributions = vec![Accumulator::default(); V::COMPONENTS * techniques];
         (buffers, Sums { contributions, counts: Counts::default() })
@@ -145,9 +149,10 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         F: Integrand<P> + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
-        let Buffers { xi, xs, values, pdfs, factors, y, blocks, r, ln_r } = buffers;
+        let Buffers { xi, xs, values, pdfs, factors, y, blocks, ratios } = buffers;
         self.techniques[i].sample_batch(xi, xs);
-        let n = xs.len().min(BLOCK);
+        let rows = xi.len() / self.techniques[i].dimension().max(1);
+        let n = xs.len().min(rows).min(BLOCK);
         let (xs, values, factors) = (&xs[..n], &mut values[..n], &mut factors[..n]);
         let pdfs = &mut pdfs[..n * self.techniques.len()];
         f.eval_batch(xs, values);
@@ -158,15 +163,17 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             let a = self.density_factors[i];
             for (factor, p) in factors.iter_mut().zip(&pdfs[i * n..]) {
                 let q = a * p;
-                *factor = if (q >= SAFE.start) & (q < SAFE.end) { w / q } else { f64::NAN };
+                *factor = if SAFE.contains(&q) { w / q } else { f64::NAN };
             }
         } else {
             let q = Densities::new(self.density_factors, pdfs, n);
-            self.weighting.weight_over_density_batch(i, &q, r, factors);
+            self.weighting.weight_over_density_batch(i, &q, &mut ratios.r, factors);
         }
         let model = self.density_factors[i] / self.alpha[i];
         if model != 1.0 {
-            factors.iter_mut().for_each(|factor| *factor *= model);
+            for factor in factors.iter_mut() {
+                *factor *= model;
+            }
         }
 
         let mut zeros = 0;
@@ -181,7 +188,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         // A factor that is not exact is NaN, and so is then its contribution.
         if !(sound && blocks.iter().all(|block| block.mean.is_finite())) {
             for j in 0..n {
-                let fault = self.check(i, &xs[j], &values[j], y, j, r, ln_r);
+                let fault = self.check(i, &xs[j], &values[j], y, j, ratios);
                 if let Err(fault) = fault {
                     if self.on_fault == OnFault::Error {
                         return Err(EstimateError::new(i, index(j), &xs[j], fault));
@@ -239,8 +246,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         value: &V,
         y: &mut [f64],
         j: usize,
-        r: &mut [f64],
-        ln_r: &mut [f64],
+        Ratios { r, ln_r }: &mut Ratios,
     ) -> Result<(), Fault> {
         if !value.is_finite() {
             return Err(Fault::Value(format!("{value:?}")));

@@ -115,7 +115,12 @@ impl<P: Debug, W: Weighting> Estimator<P> for MultiSample<'_, P, W> {
                 kernel.block(i, index, f, &mut buffers, &mut sums, &mut inspect)?;
             }
         }
-        Ok(Estimate::new(Design::Stratified, self.samples.clone(), sums.contributions, sums.counts))
+        Ok(Estimate::new(
+            Design::Stratified,
+            self.samples.clone(),
+            &sums.contributions,
+            sums.counts,
+        ))
     }
 }
 

@@ -149,7 +149,8 @@ impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
             total: self.samples,
         };
         let (mut buffers, mut sums) = kernel.start();
-        let dimension = 1 + self.techniques.iter().map(|t| t.dimension()).max().unwrap_or(0);
+        let dimensions = self.techniques.iter().map(|technique: &Dyn<'_, P>| technique.dimension());
+        let dimension = 1 + dimensions.max().unwrap_or(0);
         let mut rows = Vec::new();
         let mut choices = Vec::with_capacity(BLOCK);
         let mut selected = Vec::with_capacity(BLOCK);
@@ -179,7 +180,7 @@ impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
                 kernel.block(i, index, f, &mut buffers, &mut sums, &mut inspect)?;
             }
         }
-        Ok(Estimate::new(Design::Pooled, samples, sums.contributions, sums.counts))
+        Ok(Estimate::new(Design::Pooled, samples, &sums.contributions, sums.counts))
     }
 }
 

@@ -50,20 +50,20 @@ impl Surface {
         self.normal
     }
 
-    /// The direction `ω_o` towards the eye.
+    /// The direction ω_o towards the eye.
     #[must_use]
     pub fn outgoing(&self) -> Direction {
         self.outgoing
     }
 
-    /// The mirror direction of `ω_o`.
+    /// The mirror direction of ω_o.
     #[must_use]
     pub fn mirror(&self) -> Direction {
         self.mirror
     }
 }
 
-/// A bidirectional scattering distribution function, `f_r(p, ω_i, ω_o)`.
+/// A bidirectional scattering distribution function, f_r(p, ω_i, ω_o).
 ///
 /// The sum of two is the pair of them, `(diffuse, glossy)`.
 #[doc(alias("BRDF", "material"))]
@@ -71,7 +71,7 @@ pub trait Bsdf: Sync {
     /// Grey or colour.
     type Value: Spectrum;
 
-    /// `f_r(p, ω_i, ω_o)` for light from the direction `incident`, per steradian; 0 below the
+    /// f_r(p, ω_i, ω_o) for light from the direction `incident`, per steradian; 0 below the
     /// surface.
     fn value(&self, surface: &Surface, incident: &Direction) -> Self::Value;
 

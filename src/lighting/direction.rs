@@ -72,6 +72,12 @@ impl Direction {
     }
 }
 
+/// The length of `vector`, whose squares may leave the range of `f64`.
+pub(super) fn length(vector: DVec3) -> f64 {
+    let largest = vector.abs().max_element();
+    if largest > 0.0 { largest * (vector / largest).length() } else { largest }
+}
+
 /// An axis with two directions that make it an orthonormal basis.
 ///
 /// Source: T. Duff, J. Burgess, P. Christensen, C. Hery, A. Kensler, M. Liani and R. Villemin,

@@ -54,7 +54,7 @@ impl Technique for CosineHemisphere {
     }
 }
 
-/// Diffuse reflection: `f_r` = ρ / π above the surface.
+/// Diffuse reflection: f_r = ρ / π above the surface.
 ///
 /// It is sampled by [`CosineHemisphere`].
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! The lighting integral: the radiance that leaves a point of a surface, from lights and a BSDF.
 //!
-//! `L_r(p, ω_o) = ∫ f_r(p, ω, ω_o) L_i(p, ω) cos θ dω`, over directions ω, can be sampled from each
+//! L_r(p, ω_o) = ∫ f_r(p, ω, ω_o) L_i(p, ω) cos θ dω, over directions ω, can be sampled from each
 //! factor: from a light, or from a lobe of the BSDF. Either alone is bad somewhere: the light where
 //! the surface is shiny and the light large, the BSDF where the surface is rough and the light
 //! small. All densities are per steradian, so that any weighting combines them.

@@ -76,7 +76,7 @@ impl Technique for PhongLobe {
     }
 }
 
-/// Glossy reflection by the modified Phong model: `f_r` = ρ (n + 2) / (2π) cosⁿ α above the
+/// Glossy reflection by the modified Phong model: f_r = ρ (n + 2) / (2π) cosⁿ α above the
 /// surface, with the angle α to the mirror direction.
 ///
 /// It is sampled by [`PhongLobe`], part of which is below the surface at grazing angles.

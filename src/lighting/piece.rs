@@ -164,7 +164,11 @@ mod tests {
         for (h, y0, y1) in [(1.0, 0.0, 1.0), (1e-9, 1.0, 2.0), (1.0, 1e6, 2e6), (1.0, 0.0, 1e12)] {
             let x = Interval { low: 1.0, high: 1.0, width: 1e-9, sign: 1.0 };
             let whole = Piece::new(x, interval(y0, y1), h);
-            let y = whole.point(0.5, 0.5).y;
+            let at = whole.point(0.5, 0.5);
+            let y = at.y;
+            assert_eq!(at.x, 1.0);
+            let turned = Piece::new(interval(y0, y1), x, h);
+            assert_eq!(turned.point(0.5, 0.5).y, 1.0);
             let part = Piece::new(x, interval(y0, y), h).within;
             assert!((part / whole.within - 0.5).abs() < 1e-15 * (1.0 + y / (y - y0)), "{h} {y}");
         }

@@ -98,6 +98,8 @@ impl Rectangle {
 pub struct SphericalRectangle {
     /// The axes of the rectangle, and its normal away from the point.
     axes: [DVec3; 3],
+    /// What lengths are given in.
+    unit: f64,
     /// The distance of the plane.
     height: f64,
     pieces: Vec<Piece>,
@@ -124,11 +126,16 @@ impl SphericalRectangle {
         );
         let rounding =
             4.0 * f64::EPSILON * terms.dot(to_centre.abs() + point.abs() + rectangle.centre.abs());
+        // In a unit near the largest length, a power of 2, products of lengths stay in range.
+        let [half_x, half_y] = rectangle.half;
+        let largest = to_centre.abs().max_element().max(half_x).max(half_y);
+        let unit = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
+        let (to_centre, rounding) = (to_centre / unit, rounding / unit);
         let offset = to_centre.dot(z);
         let height = offset.abs();
         let [u, v] = [
-            Interval::around(to_centre.dot(x), rectangle.half[0]),
-            Interval::around(to_centre.dot(y), rectangle.half[1]),
+            Interval::around(to_centre.dot(x), half_x / unit),
+            Interval::around(to_centre.dot(y), half_y / unit),
         ];
         let nearest = DVec3::new(u.nearest(), v.nearest(), height).length();
         if !(height > rounding.max(8.0 * f64::EPSILON * nearest)) {
@@ -148,6 +155,7 @@ impl SphericalRectangle {
         };
         Ok(Self {
             axes,
+            unit,
             height,
             pieces,
             solid_angle,
@@ -181,7 +189,7 @@ impl SphericalRectangle {
         self.contains(w).then(|| {
             // At a grazing angle the cosine is mostly rounding; the distance stays in its range.
             let cos = w.vector().dot(self.axes[2]).max(f64::MIN_POSITIVE);
-            (self.height / cos).clamp(self.nearest, self.farthest)
+            self.unit * (self.height / cos).clamp(self.nearest, self.farthest)
         })
     }
 }
@@ -199,7 +207,7 @@ impl Technique for SphericalRectangle {
         while let Some(piece) = pieces.next() {
             let omega = piece.solid_angle();
             if remaining < omega || pieces.peek().is_none() {
-                let local = piece.point((remaining / omega).min(1.0), canonical(xi, 1));
+                let local = piece.point((remaining / omega).clamp(0.0, 1.0), canonical(xi, 1));
                 let local = local / local.length();
                 let [x, y, z] = self.axes;
                 return Direction::from_unit(local.x * x + local.y * y + local.z * z);

@@ -5,11 +5,11 @@ use super::direction::Direction;
 use super::scene::{Incident, Spectrum};
 use crate::integrand::{Integrand, Value};
 
-/// The integrand of the reflected radiance `L_r(p, ω_o)`, with respect to solid angle:
+/// The integrand of the reflected radiance L_r(p, ω_o), with respect to solid angle:
 ///
-/// f(ω) = `f_r(p, ω, ω_o) L_i(p, ω)` max(cos θ, 0).
+/// f(ω) = f_r(p, ω, ω_o) L_i(p, ω) max(cos θ, 0).
 ///
-/// Its integral over all directions is the radiance that leaves p towards `ω_o`. Any set of
+/// Its integral over all directions is the radiance that leaves p towards ω_o. Any set of
 /// techniques will do that together cover the directions from which light arrives: the lights
 /// ([`Incident::lights`]), the lobes of the BSDF ([`Bsdf::techniques`]), or both.
 #[derive(Debug)]

@@ -160,7 +160,7 @@ impl<V: Spectrum> Scene<V> {
     }
 }
 
-/// The radiance `L_i(p, ω)` that arrives at a point p.
+/// The radiance L_i(p, ω) that arrives at a point p.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Incident<V> {
     lights: Vec<SeenLight<V>>,

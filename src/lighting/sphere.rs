@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::direction::{Direction, Frame};
+use super::direction::{Direction, Frame, length};
 use crate::error::{ArgumentError, positive};
 use crate::technique::{Technique, canonical};
 
@@ -91,6 +91,8 @@ pub struct Cone {
     width: f64,
     /// The square of the largest distance from the axis, as unit vectors, that counts as a hit.
     reach2: f64,
+    /// The larger of distance and radius: the unit of what follows.
+    unit: f64,
     distance: f64,
     radius: f64,
     /// (d - r)(d + r): negative inside, 0 on the surface.
@@ -100,18 +102,20 @@ pub struct Cone {
 impl Cone {
     fn new(sphere: &Sphere, point: DVec3) -> Result<Self, ArgumentError> {
         let to_centre = sphere.centre - point;
-        let (d, r) = (to_centre.length(), sphere.radius);
+        let (d, r) = (length(to_centre), sphere.radius);
+        let unit = d.max(r);
         // What rounding of the three positions can make of d - r when the point is on the surface.
         let rounding = 4.0
             * f64::EPSILON
             * (point.abs().max_element() + sphere.centre.abs().max_element() + r);
         let inside = d < r - rounding;
-        let power = if inside { (d - r) * (d + r) } else { (d - r).max(0.0) * (d + r) };
+        let gap = if inside { d - r } else { (d - r).max(0.0) };
+        let power = (gap / unit) * (d / unit + r / unit);
         let width = if inside {
             2.0
         } else {
-            let sin = (r / d).min(1.0);
-            sin * sin / (1.0 + power.sqrt() / d)
+            let sin = r / d;
+            sin * sin / (1.0 + power.sqrt())
         };
         if !(width.is_normal() && d.is_finite() && point.is_finite()) {
             let rule = "it must be finite, and the sphere's solid angle within the range of f64";
@@ -124,8 +128,9 @@ impl Cone {
             frame: Frame::new(axis),
             width,
             reach2: reach * reach,
-            distance: d,
-            radius: r,
+            unit,
+            distance: d / unit,
+            radius: r / unit,
             power,
         })
     }
@@ -150,12 +155,12 @@ impl Cone {
         let chord2 = self.radius * self.radius - self.distance * self.distance * q * (2.0 - q);
         let chord = chord2.max(0.0).sqrt();
         if self.power < 0.0 && along > 0.0 {
-            return Some(along + chord);
+            return Some(self.unit * (along + chord));
         }
         // The conjugate form of the near root (of the far root behind the centre, from inside),
         // which does not cancel.
         let sum = along.abs() + chord;
-        Some(if sum > 0.0 { self.power.abs() / sum } else { 0.0 })
+        Some(if sum > 0.0 { self.unit * (self.power.abs() / sum) } else { 0.0 })
     }
 }
 
@@ -195,9 +200,11 @@ mod tests {
             let exact = 2.0 * TAU * (0.5 * s.asin()).sin().powi(2);
             assert!((cone(1.0, s).solid_angle() / exact - 1.0).abs() < 2e-15, "r/d = {s}");
         }
-        // Just above the surface, cos θ = sqrt(2e-12) to first order.
-        let gap = cone(1.0 + 1e-12, 1.0).solid_angle() / TAU;
-        assert!((1.0 - gap - 2e-12_f64.sqrt()).abs() < 2e-10, "{gap}");
+        // Just above the surface.
+        let d = 1.0 + 1e-12;
+        let above = Sphere::new(d * DVec3::Z, 1.0).unwrap().seen_from(DVec3::ZERO).unwrap();
+        let cos = ((d - 1.0) * (d + 1.0)).sqrt() / d;
+        assert!((above.solid_angle() / TAU - (1.0 - cos)).abs() < 4e-16, "{cos}");
         // On the surface, to rounding on either side: the half-space.
         for d in [1.0, 1.0 - f64::EPSILON] {
             assert!((cone(d, 1.0).solid_angle() / TAU - 1.0).abs() < 4e-8, "{d}");
@@ -234,6 +241,12 @@ mod tests {
             assert!(((t * w.vector() - centre).length() - 2.0).abs() < 4e-15);
             assert_eq!(cone.pdf(&w), 1.0 / (2.0 * TAU));
         }
+    }
+
+    #[test]
+    fn a_tangent_at_the_surface_hits_at_once() {
+        let on = Sphere::new(DVec3::Z, 1.0).unwrap().seen_from(DVec3::ZERO).unwrap();
+        assert_eq!(on.hit(&Direction::from_unit(DVec3::X)), Some(0.0));
     }
 
     #[test]

@@ -63,7 +63,11 @@ impl PointSource for Random {
             if row > 0 {
                 generator.advance(u128::from(row) * dimension as u128);
             }
-            for u in block {
+            let (fours, last) = block.as_chunks_mut::<4>();
+            for four in fours {
+                *four = std::array::from_fn(|_| open_unit(generator.next_u64()));
+            }
+            for u in last {
                 *u = open_unit(generator.next_u64());
             }
             rest = tail;
@@ -109,7 +113,7 @@ mod tests {
         for (first, rows) in [(0, 1), (255, 2), (256, 256), (700, 300), (999, 1)] {
             assert_eq!(
                 numbers(1, 0, first, 3, rows),
-                whole[first as usize * 3..][..rows * 3],
+                whole[usize::try_from(first).unwrap() * 3..][..rows * 3],
                 "{first}"
             );
         }
@@ -147,7 +151,7 @@ mod tests {
                     (0..256)
                         .map(|k| {
                             let (seed, stream, sample) = at(k, t);
-                            numbers(seed, stream as usize, sample, 1, 1)[0] - 0.5
+                            numbers(seed, usize::try_from(stream).unwrap(), sample, 1, 1)[0] - 0.5
                         })
                         .sum()
                 })

@@ -93,11 +93,7 @@ impl Technique for Cauchy {
 
     fn ln_pdf(&self, x: &f64) -> f64 {
         let p = self.pdf(x);
-        if p.is_normal() {
-            p.ln()
-        } else {
-            ln_density(x - self.location, self.scale, PI)
-        }
+        if p.is_normal() { p.ln() } else { ln_density(x - self.location, self.scale, PI) }
     }
 }
 
@@ -141,24 +137,15 @@ mod tests {
     #[test]
     fn wrong_arguments_are_named() {
         for ((location, scale), message) in [
-            (
-                (f64::NAN, 1.0),
-                "Cauchy: `location` is NaN, but it must be finite",
-            ),
-            (
-                (0.0, 0.0),
-                "Cauchy: `scale` is 0.0, but it must be finite and greater than 0",
-            ),
+            ((f64::NAN, 1.0), "Cauchy: `location` is NaN, but it must be finite"),
+            ((0.0, 0.0), "Cauchy: `scale` is 0.0, but it must be finite and greater than 0"),
             (
                 (0.0, 1e300),
                 "Cauchy: `scale` is 1e300, but samples and their densities must be within the \
                  range of normal numbers",
             ),
         ] {
-            assert_eq!(
-                Cauchy::new(location, scale).unwrap_err().to_string(),
-                message
-            );
+            assert_eq!(Cauchy::new(location, scale).unwrap_err().to_string(), message);
         }
     }
 }

@@ -52,18 +52,9 @@ impl Exponential {
             return Err(ArgumentError::new("Exponential", "b - a", b - a, rule));
         }
         let decay = Decay::new(rate.abs(), b - a);
-        let this = Self {
-            a,
-            b,
-            decay,
-            grows: rate < 0.0,
-        };
+        let this = Self { a, b, decay, grows: rate < 0.0 };
         let samples = [this.sample(&[0.0]), this.sample(&[1.0])];
-        let densities = [
-            decay.density(0.0),
-            this.pdf(&samples[0]),
-            this.pdf(&samples[1]),
-        ];
+        let densities = [decay.density(0.0), this.pdf(&samples[0]), this.pdf(&samples[1])];
         if !(samples.iter().all(|x| x.is_finite()) && densities.iter().all(|p| p.is_normal())) {
             let rule = "samples and their densities must be within the range of normal numbers";
             return Err(ArgumentError::new("Exponential", "rate", rate, rule));
@@ -75,11 +66,7 @@ impl Exponential {
     fn distances(&self, x: f64) -> (f64, f64) {
         let x = x.clamp(self.a, self.b);
         let above = if x == self.b { 0.0 } else { self.b - x }; // b may be infinite
-        if self.grows {
-            (above, x - self.a)
-        } else {
-            (x - self.a, above)
-        }
+        if self.grows { (above, x - self.a) } else { (x - self.a, above) }
     }
 
     /// The x with the mass `below` under it and `above` = 1 - `below` over it.
@@ -120,11 +107,7 @@ impl Technique for Exponential {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if self.a <= *x && *x <= self.b {
-            self.decay.density(self.distances(*x).0)
-        } else {
-            0.0
-        }
+        if self.a <= *x && *x <= self.b { self.decay.density(self.distances(*x).0) } else { 0.0 }
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -139,11 +122,7 @@ impl Technique for Exponential {
 impl InverseCdf for Exponential {
     fn cdf(&self, x: f64) -> f64 {
         let (dense, thin) = self.distances(x);
-        if self.grows {
-            self.decay.thin_mass(dense, thin)
-        } else {
-            self.decay.dense_mass(dense)
-        }
+        if self.grows { self.decay.thin_mass(dense, thin) } else { self.decay.dense_mass(dense) }
     }
 
     fn inverse_cdf(&self, u: f64) -> f64 {
@@ -152,11 +131,7 @@ impl InverseCdf for Exponential {
 
     fn survival(&self, x: f64) -> f64 {
         let (dense, thin) = self.distances(x);
-        if self.grows {
-            self.decay.dense_mass(dense)
-        } else {
-            self.decay.thin_mass(dense, thin)
-        }
+        if self.grows { self.decay.dense_mass(dense) } else { self.decay.thin_mass(dense, thin) }
     }
 
     fn inverse_survival(&self, v: f64) -> f64 {
@@ -184,11 +159,7 @@ pub(super) enum Place {
 impl Decay {
     /// `rate` >= 0 is finite; `width` > 0 may be infinite where rate > 0.
     pub(super) fn new(rate: f64, width: f64) -> Self {
-        Self {
-            rate,
-            width,
-            norm: integral(rate, width),
-        }
+        Self { rate, width, norm: integral(rate, width) }
     }
 
     pub(super) fn density(&self, t: f64) -> f64 {
@@ -248,22 +219,10 @@ mod tests {
     fn wrong_arguments_are_named() {
         let inf = f64::INFINITY;
         for ((rate, a, b), message) in [
-            (
-                (f64::NAN, 0.0, 1.0),
-                "Exponential: `rate` is NaN, but it must be finite",
-            ),
-            (
-                (1.0, -inf, 1.0),
-                "Exponential: `a` is -inf, but it must be finite",
-            ),
-            (
-                (1.0, 1.0, 0.0),
-                "Exponential: `b` is 0.0, but it must be greater than a = 1",
-            ),
-            (
-                (1.0, 1.0, f64::NAN),
-                "Exponential: `b` is NaN, but it must be greater than a = 1",
-            ),
+            ((f64::NAN, 0.0, 1.0), "Exponential: `rate` is NaN, but it must be finite"),
+            ((1.0, -inf, 1.0), "Exponential: `a` is -inf, but it must be finite"),
+            ((1.0, 1.0, 0.0), "Exponential: `b` is 0.0, but it must be greater than a = 1"),
+            ((1.0, 1.0, f64::NAN), "Exponential: `b` is NaN, but it must be greater than a = 1"),
             (
                 (0.0, 0.0, inf),
                 "Exponential: `b` is inf, but it must be finite, since the rate is not greater than 0",
@@ -278,10 +237,7 @@ mod tests {
                  the range of normal numbers",
             ),
         ] {
-            assert_eq!(
-                Exponential::new(rate, a, b).unwrap_err().to_string(),
-                message
-            );
+            assert_eq!(Exponential::new(rate, a, b).unwrap_err().to_string(), message);
         }
     }
 

@@ -117,7 +117,9 @@ where
         xs.clear();
         xs.extend(xi.iter().map(|u| (self.inverse_cdf)(canonical(&[*u], 0))));
         if !self.contains_all(xs) {
-            xs.iter_mut().for_each(|x| *x = self.confined(*x));
+            for x in xs.iter_mut() {
+                *x = self.confined(*x);
+            }
         }
     }
 
@@ -160,11 +162,7 @@ where
 
     fn inverse_survival(&self, v: f64) -> f64 {
         // 1 - v may round into the unit interval.
-        if (0.0..=1.0).contains(&v) {
-            self.inverse_cdf(1.0 - v)
-        } else {
-            f64::NAN
-        }
+        if (0.0..=1.0).contains(&v) { self.inverse_cdf(1.0 - v) } else { f64::NAN }
     }
 }
 

@@ -79,7 +79,7 @@ pub(super) fn invert(
     let mut checkpoint = bracket.width();
     let mut newton_steps = 0;
     let mut last_step = f64::INFINITY;
-    let mut nudge = 2_i64;
+    let mut nudge = 2_u64;
     while bracket.width() > 1 {
         if !bracket.contains(key(x)) {
             x = float(bracket.inner());
@@ -106,34 +106,31 @@ pub(super) fn invert(
             newton_steps = 0;
         }
         // ln(t / target); ln_1p near 0, and not where t / target - 1 rounds to -1.
-        let ln = if ratio.abs() < 0.5 {
-            ratio.ln_1p()
-        } else {
-            (t / target).ln()
-        };
+        let ln = if ratio.abs() < 0.5 { ratio.ln_1p() } else { (t / target).ln() };
         let step = ln * (t / density);
         let next = match side {
             Side::Lower => x - step,
             Side::Upper => x + step,
         };
-        let converges = step.abs() <= 0.5 * last_step && newton_steps < NEWTON_STEPS;
-        if !(converges && next.is_finite()) {
-            last_step = f64::INFINITY;
-            newton_steps = 0;
-            x = float(bracket.inner());
+        let moved = if next.is_finite() { key(next).abs_diff(k) } else { u64::MAX };
+        if step.abs() <= 0.5 * last_step && newton_steps < NEWTON_STEPS && moved >= nudge {
+            newton_steps += 1;
+            last_step = step.abs();
+            x = next;
             continue;
         }
-        newton_steps += 1;
-        // A step of a few floats is made longer, and longer each time, so that it reaches the other
-        // side of a noisy crossing and the bracket closes.
-        x = if key(next).abs_diff(k) < nudge.unsigned_abs() {
-            let towards = if above { k.saturating_sub(nudge) } else { k.saturating_add(nudge) };
-            nudge = nudge.saturating_mul(4);
-            float(towards)
+        // Newton's method has arrived, or stalls in noise. If it is near, a longer step, and longer
+        // each time, reaches the other side, so that the bracket closes; else the bracket is halved.
+        last_step = f64::INFINITY;
+        newton_steps = 0;
+        let reach = nudge.max(moved.saturating_mul(4));
+        x = float(if reach < bracket.width() / 2 {
+            nudge = reach.saturating_mul(4);
+            if above { k.saturating_sub_unsigned(reach) } else { k.saturating_add_unsigned(reach) }
         } else {
-            last_step = step.abs();
-            next
-        };
+            nudge = nudge.min(bracket.width() / 64).max(2);
+            bracket.inner()
+        });
     }
     let Bracket { low, high, .. } = bracket;
     // A neighbour of an end: prefer what lies strictly inside and has a density.
@@ -194,21 +191,11 @@ struct Bracket {
 
 impl Bracket {
     fn new(a: f64, b: f64) -> Self {
-        Self {
-            low: key(a),
-            high: key(b),
-            low_seen: false,
-            high_seen: false,
-            reach: 1,
-        }
+        Self { low: key(a), high: key(b), low_seen: false, high_seen: false, reach: 1 }
     }
 
     fn width(&self) -> u64 {
-        if self.low < self.high {
-            self.low.abs_diff(self.high)
-        } else {
-            0
-        }
+        if self.low < self.high { self.low.abs_diff(self.high) } else { 0 }
     }
 
     fn contains(&self, k: i64) -> bool {
@@ -291,6 +278,34 @@ mod tests {
         let (x, n) = evaluations(Side::Lower, 0.5, [f64::NEG_INFINITY, 10.0], tail, |_| 0.0);
         assert_eq!(x, jump);
         assert!(n <= 600);
+    }
+
+    #[test]
+    fn of_two_neighbours_the_one_with_a_density_is_taken() {
+        let jump = 0.3;
+        let tail = |x: f64| if x < jump { 0.25 } else { 0.75 };
+        let below = |x: f64| f64::from(x < jump);
+        let above = |x: f64| f64::from(x >= jump);
+        let x = invert(Side::Lower, 0.5, [0.0, 1.0], tail, below);
+        assert_eq!(x, jump.next_down());
+        let x = invert(Side::Lower, 0.5, [0.0, 1.0], tail, above);
+        assert_eq!(x, jump);
+        let x = invert(Side::Upper, 0.5, [0.0, 1.0], |x| 1.0 - tail(x), above);
+        assert_eq!(x, jump);
+    }
+
+    #[test]
+    fn noise_costs_few_evaluations() {
+        // Steps of 256 floats, on which Newton's method cannot settle.
+        let tail = |x: f64| ((x * 2.0_f64.powi(45)).floor() + 0.5) * 2.0_f64.powi(-45);
+        let mut worst = 0;
+        for k in 0..100 {
+            let u = 0.25 + 0.005 * f64::from(k) + 1e-15;
+            let (x, n) = evaluations(Side::Lower, u, [0.0, 1.0], tail, |_| 1.0);
+            assert!(tail(x.next_down()) <= u && u <= tail(x.next_up()));
+            worst = worst.max(n);
+        }
+        assert!(worst <= 40, "{worst} evaluations");
     }
 
     #[test]

@@ -58,12 +58,7 @@ impl Linear {
             let rule = "it must be greater than 0, since value_a is 0";
             return Err(ArgumentError::new("Linear", "value_b", value_b, rule));
         }
-        Ok(Self {
-            a,
-            b,
-            f: value_a / largest,
-            g: value_b / largest,
-        })
+        Ok(Self { a, b, f: value_a / largest, g: value_b / largest })
     }
 
     /// The share of the width between the end of value `f` and the point that cuts off the mass
@@ -94,16 +89,8 @@ impl Linear {
         } else {
             self.b - width * Self::share(above, self.g, self.f)
         };
-        let lowest = if self.f == 0.0 {
-            self.a.next_up()
-        } else {
-            self.a
-        };
-        let highest = if self.g == 0.0 {
-            self.b.next_down()
-        } else {
-            self.b
-        };
+        let lowest = if self.f == 0.0 { self.a.next_up() } else { self.a };
+        let highest = if self.g == 0.0 { self.b.next_down() } else { self.b };
         x.clamp(lowest, highest)
     }
 }
@@ -156,18 +143,9 @@ mod tests {
     #[test]
     fn wrong_arguments_are_named() {
         for ((a, b, f, g), message) in [
-            (
-                (f64::NAN, 1.0, 1.0, 1.0),
-                "Linear: `a` is NaN, but it must be finite",
-            ),
-            (
-                (0.0, f64::INFINITY, 1.0, 1.0),
-                "Linear: `b` is inf, but it must be finite",
-            ),
-            (
-                (1.0, 0.0, 1.0, 1.0),
-                "Linear: `b` is 0.0, but it must be greater than a = 1",
-            ),
+            ((f64::NAN, 1.0, 1.0, 1.0), "Linear: `a` is NaN, but it must be finite"),
+            ((0.0, f64::INFINITY, 1.0, 1.0), "Linear: `b` is inf, but it must be finite"),
+            ((1.0, 0.0, 1.0, 1.0), "Linear: `b` is 0.0, but it must be greater than a = 1"),
             (
                 (-1e308, 1e308, 1.0, 1.0),
                 "Linear: `b - a` is inf, but it must be within the range of normal numbers",

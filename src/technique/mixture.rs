@@ -66,13 +66,7 @@ impl<T: Technique> Mixture<T> {
         }
         let dimension = 1 + components.iter().map(T::dimension).max().unwrap_or(0);
         let ln_probabilities = probabilities.iter().map(|p| p.ln()).collect();
-        Ok(Self {
-            components,
-            selection,
-            ln_probabilities,
-            dimension,
-            point_len,
-        })
+        Ok(Self { components, selection, ln_probabilities, dimension, point_len })
     }
 
     /// The components, those of probability 0 included.
@@ -94,10 +88,7 @@ impl<T: Technique> Mixture<T> {
 
     /// The components that can be selected, with their probabilities.
     fn weighted(&self) -> impl Iterator<Item = (&T, f64)> {
-        let pairs = self
-            .components
-            .iter()
-            .zip(self.probabilities().iter().copied());
+        let pairs = self.components.iter().zip(self.probabilities().iter().copied());
         pairs.filter(|(_, p)| *p > 0.0)
     }
 }
@@ -142,11 +133,7 @@ impl<T: Technique> Technique for Mixture<T> {
             }
         }
         // Outside every support, sum is 0.
-        if sum > 0.0 {
-            largest + f64::ln(sum)
-        } else {
-            f64::NEG_INFINITY
-        }
+        if sum > 0.0 { largest + f64::ln(sum) } else { f64::NEG_INFINITY }
     }
 
     fn point_len(&self) -> Option<usize> {
@@ -177,7 +164,7 @@ impl<T: Technique> Technique for Mixture<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ProductVec, Statrs, Uniform, UniformBox};
+    use super::super::{FnTechnique, ProductVec, Statrs, Uniform, UniformBox};
     use super::*;
 
     type Boxed = Box<dyn Technique<Point = [f64; 2]>>;
@@ -200,10 +187,7 @@ mod tests {
         assert_eq!((p.pdf(&0.5), p.pdf(&10.5), p.pdf(&5.0)), (0.25, 0.75, 0.0));
         assert_eq!(p.ln_pdf(&5.0), f64::NEG_INFINITY);
         assert!((p.ln_pdf(&0.5) - 0.25_f64.ln()).abs() < 1e-15);
-        assert_eq!(
-            (p.components().len(), p.probabilities()),
-            (2, &[0.25, 0.75][..])
-        );
+        assert_eq!((p.components().len(), p.probabilities()), (2, &[0.25, 0.75][..]));
         // Missing numbers are NaN points, not panics.
         assert!(p.sample(&[]).is_nan() && p.sample(&[0.5]).is_nan());
     }
@@ -211,13 +195,8 @@ mod tests {
     #[test]
     fn probability_zero_is_never_selected() {
         let never = Uniform::new(100.0, 101.0).unwrap();
-        let parts = vec![
-            (never, 0.0),
-            (unit(0.0), 0.5),
-            (never, 0.0),
-            (unit(5.0), 0.5),
-            (never, 0.0),
-        ];
+        let parts =
+            vec![(never, 0.0), (unit(0.0), 0.5), (never, 0.0), (unit(5.0), 0.5), (never, 0.0)];
         let p = Mixture::new(parts).unwrap();
         for u in [0.0, 0.5_f64.next_down(), 0.5, LARGEST, 1.0] {
             let x = p.sample(&[u, 0.5]);
@@ -227,6 +206,18 @@ mod tests {
         // Ten times 0.1 sums to less than 1; the largest number still picks a component.
         let tenths: Vec<_> = (0..10).map(|k| (unit(f64::from(k)), 0.1)).collect();
         assert_eq!(Mixture::new(tenths).unwrap().sample(&[LARGEST, 0.5]), 9.5);
+    }
+
+    #[test]
+    fn probability_zero_is_never_evaluated() {
+        let poison = FnTechnique::new([-9.0, 9.0], |_| f64::NAN, |x| x, |u| u).unwrap();
+        let unit = unit(0.0);
+        let parts: Vec<(&dyn Technique<Point = f64>, f64)> = vec![(&poison, 0.0), (&unit, 1.0)];
+        let p = Mixture::new(parts).unwrap();
+        assert_eq!((p.pdf(&0.5), p.ln_pdf(&0.5)), (1.0, 0.0));
+        let mut out = [0.0];
+        p.pdf_batch(&[0.5], &mut out);
+        assert_eq!(out, [1.0]);
     }
 
     #[test]
@@ -253,11 +244,8 @@ mod tests {
     #[test]
     fn heterogeneous_components_of_different_dimensions() {
         let far = UniformBox::uniform([5.0, 5.0], [6.0, 7.0]).unwrap();
-        let near = Mixture::new(vec![(
-            UniformBox::uniform([0.0; 2], [1.0; 2]).unwrap(),
-            1.0,
-        )])
-        .unwrap();
+        let near =
+            Mixture::new(vec![(UniformBox::uniform([0.0; 2], [1.0; 2]).unwrap(), 1.0)]).unwrap();
         let parts: Vec<(Boxed, f64)> = vec![(Box::new(far), 0.5), (Box::new(near), 0.5)];
         let p = Mixture::new(parts).unwrap();
         assert_eq!(p.dimension(), 4);
@@ -267,11 +255,7 @@ mod tests {
         let xs: Vec<[f64; 2]> = (0..200).map(|k| [0.005 * f64::from(k), 0.5]).collect();
         let mut out = vec![7.0; 200];
         p.pdf_batch(&xs, &mut out);
-        assert!(
-            xs.iter()
-                .zip(&out)
-                .all(|(x, out)| p.pdf(x).to_bits() == out.to_bits())
-        );
+        assert!(xs.iter().zip(&out).all(|(x, out)| p.pdf(x).to_bits() == out.to_bits()));
     }
 
     #[test]
@@ -297,9 +281,7 @@ mod tests {
         assert!(message(&[f64::NAN]).contains("`probabilities[0]` is NaN"));
         let of_len = |n| (ProductVec::new(vec![Uniform::unit(); n]).unwrap(), 0.5);
         assert_eq!(
-            Mixture::new(vec![of_len(2), of_len(3)])
-                .unwrap_err()
-                .to_string(),
+            Mixture::new(vec![of_len(2), of_len(3)]).unwrap_err().to_string(),
             "Mixture: `point length of component 1` is 3, but it must equal that of those before, 2"
         );
     }

@@ -120,14 +120,14 @@ pub trait Technique: Sync {
         *x = self.sample(xi);
     }
 
-    /// Makes `xs` hold one point for every row of [`dimension`](Technique::dimension) numbers in
-    /// `xi`.
+    /// Makes the first points of `xs` those of the rows of [`dimension`](Technique::dimension)
+    /// numbers in `xi`, one for each row.
     ///
-    /// Points that `xs` holds already are written over, in place.
+    /// Points that `xs` holds already are written over, in place; further ones may stay.
     fn sample_batch(&self, xi: &[f64], xs: &mut Vec<Self::Point>) {
         let dimension = self.dimension().max(1);
-        xs.truncate(xi.len() / dimension);
-        let (old, new) = xi.split_at(xs.len() * dimension);
+        let old = xs.len().min(xi.len() / dimension);
+        let (old, new) = xi.split_at(old * dimension);
         if dimension == 1 {
             // The common case, without the bookkeeping of rows.
             for (x, u) in xs.iter_mut().zip(old) {
@@ -168,10 +168,11 @@ pub trait InverseCdf: Technique<Point = f64> {
         1.0 - self.cdf(x)
     }
 
-    /// The x where `survival(x) = v`. Override it where it is known without computing 1 - v.
+    /// The x where `survival(x) = v`, for v in \[0, 1\]; NaN for any other v. Override it where it is
+    /// known without computing 1 - v.
     #[doc(alias = "isf")]
     fn inverse_survival(&self, v: f64) -> f64 {
-        self.inverse_cdf(1.0 - v)
+        if (0.0..=1.0).contains(&v) { self.inverse_cdf(1.0 - v) } else { f64::NAN }
     }
 
     /// The ends of the support, `(inverse_cdf(0), inverse_cdf(1))`.

@@ -41,10 +41,7 @@ impl Normal {
         positive("Normal", "sd", sd)?;
         let this = Self { mean, sd };
         let points = [this.sample(&[0.0]), mean, this.sample(&[1.0])];
-        if !points
-            .iter()
-            .all(|x| x.is_finite() && this.pdf(x).is_normal())
-        {
+        if !points.iter().all(|x| x.is_finite() && this.pdf(x).is_normal()) {
             let rule = "samples and their densities must be within the range of normal numbers";
             return Err(ArgumentError::new("Normal", "sd", sd, rule));
         }
@@ -115,18 +112,9 @@ mod tests {
     #[test]
     fn wrong_arguments_are_named() {
         for ((mean, sd), message) in [
-            (
-                (f64::NAN, 1.0),
-                "Normal: `mean` is NaN, but it must be finite",
-            ),
-            (
-                (0.0, -1.0),
-                "Normal: `sd` is -1.0, but it must be finite and greater than 0",
-            ),
-            (
-                (0.0, f64::NAN),
-                "Normal: `sd` is NaN, but it must be finite and greater than 0",
-            ),
+            ((f64::NAN, 1.0), "Normal: `mean` is NaN, but it must be finite"),
+            ((0.0, -1.0), "Normal: `sd` is -1.0, but it must be finite and greater than 0"),
+            ((0.0, f64::NAN), "Normal: `sd` is NaN, but it must be finite and greater than 0"),
             (
                 (0.0, 1e308),
                 "Normal: `sd` is 1e308, but samples and their densities must be within the range \

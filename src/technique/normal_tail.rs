@@ -36,11 +36,7 @@ pub(super) fn series(z: f64, d: f64) -> f64 {
 /// The d with `series(z, d)` = `mass`, by Halley's method from the root without t²/2.
 pub(super) fn inverse_series(z: f64, mass: f64) -> f64 {
     let y = z * mass;
-    let mut d = if y.abs() < f64::MIN_POSITIVE {
-        mass
-    } else {
-        -(-y).ln_1p() / z
-    };
+    let mut d = if y.abs() < f64::MIN_POSITIVE { mass } else { -(-y).ln_1p() / z };
     d = d.min(series_limit(z));
     for _ in 0..6 {
         let newton = (series(z, d) - mass) / (-d * (z + 0.5 * d)).exp();
@@ -84,11 +80,7 @@ mod tests {
             (5.0, 0.192_808_104_715_315_76),
             (1e10, 1e-10),
         ] {
-            assert!(
-                (mills(z) / ratio - 1.0).abs() <= 4.0 * f64::EPSILON,
-                "{z}: {}",
-                mills(z)
-            );
+            assert!((mills(z) / ratio - 1.0).abs() <= 4.0 * f64::EPSILON, "{z}: {}", mills(z));
         }
     }
 }

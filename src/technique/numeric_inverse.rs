@@ -71,13 +71,7 @@ where
                 return Err(ArgumentError::new("NumericInverse", name, value, rule));
             }
         }
-        Ok(Self {
-            a,
-            b,
-            pdf,
-            cdf,
-            survival: None,
-        })
+        Ok(Self { a, b, pdf, cdf, survival: None })
     }
 
     /// With `survival(x)` = 1 - P(x) computed without that cancellation, for precise upper tails.
@@ -87,22 +81,14 @@ where
         S: Fn(f64) -> f64 + Sync,
     {
         let Self { a, b, pdf, cdf, .. } = self;
-        NumericInverse {
-            a,
-            b,
-            pdf,
-            cdf,
-            survival: Some(survival),
-        }
+        NumericInverse { a, b, pdf, cdf, survival: Some(survival) }
     }
 }
 
 impl<P, C, S> fmt::Debug for NumericInverse<P, C, S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let support = [self.a, self.b];
-        f.debug_struct("NumericInverse")
-            .field("support", &support)
-            .finish_non_exhaustive()
+        f.debug_struct("NumericInverse").field("support", &support).finish_non_exhaustive()
     }
 }
 
@@ -123,11 +109,7 @@ where
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if self.a <= *x && *x <= self.b {
-            (self.pdf)(*x)
-        } else {
-            0.0
-        }
+        if self.a <= *x && *x <= self.b { (self.pdf)(*x) } else { 0.0 }
     }
 }
 
@@ -149,13 +131,7 @@ where
 
     fn inverse_cdf(&self, u: f64) -> f64 {
         let ends = [self.a, self.b];
-        invert::inverse_cdf(
-            u,
-            ends,
-            |x| self.cdf(x),
-            |x| self.survival(x),
-            |x| (self.pdf)(x),
-        )
+        invert::inverse_cdf(u, ends, |x| self.cdf(x), |x| self.survival(x), |x| (self.pdf)(x))
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -167,13 +143,7 @@ where
 
     fn inverse_survival(&self, v: f64) -> f64 {
         let ends = [self.a, self.b];
-        invert::inverse_survival(
-            v,
-            ends,
-            |x| self.cdf(x),
-            |x| self.survival(x),
-            |x| (self.pdf)(x),
-        )
+        invert::inverse_survival(v, ends, |x| self.cdf(x), |x| self.survival(x), |x| (self.pdf)(x))
     }
 }
 
@@ -184,21 +154,8 @@ mod tests {
     use std::f64::consts::{FRAC_1_PI, PI};
 
     const LARGEST: f64 = 1.0 - f64::EPSILON / 2.0;
-    const US: [f64; 13] = [
-        1e-300,
-        1e-30,
-        5e-17,
-        1e-9,
-        1e-3,
-        0.1,
-        0.3,
-        0.5,
-        0.7,
-        0.9,
-        0.999,
-        0.999_999_999,
-        LARGEST,
-    ];
+    const US: [f64; 13] =
+        [1e-300, 1e-30, 5e-17, 1e-9, 1e-3, 0.1, 0.3, 0.5, 0.7, 0.9, 0.999, 0.999_999_999, LARGEST];
 
     /// The stated bound: to ε on the side of the nearer tail, or between neighbouring floats.
     fn assert_bound(p: &impl InverseCdf) {
@@ -207,19 +164,12 @@ mod tests {
             let x = p.inverse_cdf(u);
             assert!(a < x && x < b && x.is_finite(), "u = {u:e}: x = {x:?}");
             assert!(p.pdf(&x) > 0.0, "u = {u:e}: x = {x:?}");
-            let (tail, target): (&dyn Fn(f64) -> f64, f64) = if u <= 0.5 {
-                (&|x| p.cdf(x), u)
-            } else {
-                (&|x| -p.survival(x), u - 1.0)
-            };
+            let (tail, target): (&dyn Fn(f64) -> f64, f64) =
+                if u <= 0.5 { (&|x| p.cdf(x), u) } else { (&|x| -p.survival(x), u - 1.0) };
             let grain = p.pdf(&x) * (x.abs().next_up() - x.abs());
             let close = (tail(x) - target).abs() <= grain.max(f64::EPSILON * target.abs());
             let passed = tail(x.next_down()) <= target && target <= tail(x.next_up());
-            assert!(
-                close || passed,
-                "u = {u:e}: x = {x:?}, {:e}",
-                tail(x) - target
-            );
+            assert!(close || passed, "u = {u:e}: x = {x:?}, {:e}", tail(x) - target);
         }
     }
 
@@ -258,11 +208,7 @@ mod tests {
     #[test]
     fn a_gap_in_the_support_is_not_sampled() {
         let pdf = |x: f64| {
-            if (0.0..=1.0).contains(&x) || (2.0..=3.0).contains(&x) {
-                0.5
-            } else {
-                0.0
-            }
+            if (0.0..=1.0).contains(&x) || (2.0..=3.0).contains(&x) { 0.5 } else { 0.0 }
         };
         let cdf = |x: f64| 0.5 * (x.clamp(0.0, 1.0) + (x - 2.0).clamp(0.0, 1.0));
         let p = NumericInverse::new([-1.0, 4.0], pdf, cdf).unwrap();
@@ -295,10 +241,7 @@ mod tests {
         let p =
             NumericInverse::new([0.0, f64::INFINITY], |x| (-x).exp(), |x| -(-x).exp_m1()).unwrap();
         assert_eq!(p.support(), (0.0, f64::INFINITY));
-        assert_eq!(
-            (p.inverse_survival(0.0), p.inverse_survival(1.0)),
-            (f64::INFINITY, 0.0)
-        );
+        assert_eq!((p.inverse_survival(0.0), p.inverse_survival(1.0)), (f64::INFINITY, 0.0));
         for u in [f64::NAN, -1.0, 2.0] {
             assert!(p.inverse_cdf(u).is_nan() && p.inverse_survival(u).is_nan());
         }
@@ -307,18 +250,13 @@ mod tests {
             let x = p.sample(&[u]);
             assert!(x.is_finite() && p.pdf(&x) > 0.0);
         }
-        assert_eq!(
-            (p.pdf(&-1.0), p.cdf(-1.0), p.survival(-1.0)),
-            (0.0, 0.0, 1.0)
-        );
+        assert_eq!((p.pdf(&-1.0), p.cdf(-1.0), p.survival(-1.0)), (0.0, 0.0, 1.0));
     }
 
     #[test]
     fn errors_name_argument_value_and_rule() {
         let message = |support, cdf: fn(f64) -> f64| {
-            NumericInverse::new(support, |_| 1.0, cdf)
-                .unwrap_err()
-                .to_string()
+            NumericInverse::new(support, |_| 1.0, cdf).unwrap_err().to_string()
         };
         assert_eq!(
             message([0.0, 1.0], |x| 2.0 * x),

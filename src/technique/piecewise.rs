@@ -49,16 +49,9 @@ impl PiecewiseConstant {
     /// and not negative, not all 0, and the densities must be finite.
     pub fn new(edges: &[f64], weights: &[f64]) -> Result<Self, ArgumentError> {
         if edges.len() < 2 || edges.len() - 1 != weights.len() {
-            let rule = format!(
-                "it must be at least 2, and one more than weights = {}",
-                weights.len()
-            );
-            return Err(ArgumentError::new(
-                OWNER,
-                "number of edges",
-                edges.len(),
-                rule,
-            ));
+            let rule =
+                format!("it must be at least 2, and one more than weights = {}", weights.len());
+            return Err(ArgumentError::new(OWNER, "number of edges", edges.len(), rule));
         }
         for (k, &edge) in edges.iter().enumerate() {
             finite(OWNER, format!("edges[{k}]"), edge)?;
@@ -75,12 +68,7 @@ impl PiecewiseConstant {
         for (k, &weight) in weights.iter().enumerate() {
             if !(weight.is_finite() && weight >= 0.0) {
                 let rule = "it must be finite and not negative";
-                return Err(ArgumentError::new(
-                    OWNER,
-                    format!("weights[{k}]"),
-                    weight,
-                    rule,
-                ));
+                return Err(ArgumentError::new(OWNER, format!("weights[{k}]"), weight, rule));
             }
         }
         let largest = weights.iter().fold(0.0, |m: f64, &w| m.max(w));
@@ -101,12 +89,7 @@ impl PiecewiseConstant {
             let density = p / (pair[1] - pair[0]);
             if !density.is_finite() {
                 let name = format!("density of bin {}", first + k);
-                return Err(ArgumentError::new(
-                    OWNER,
-                    name,
-                    density,
-                    "it must be finite",
-                ));
+                return Err(ArgumentError::new(OWNER, name, density, "it must be finite"));
             }
         }
         let (mut below, _) = running_sums(probabilities.iter().copied());
@@ -115,12 +98,7 @@ impl PiecewiseConstant {
         // The sums of rounded probabilities, which are 1 to an ulp.
         below[probabilities.len()] = 1.0;
         above[0] = 1.0;
-        Ok(Self {
-            edges,
-            probabilities,
-            below,
-            above,
-        })
+        Ok(Self { edges, probabilities, below, above })
     }
 
     /// The bin that holds x; x must be in the support.
@@ -136,11 +114,7 @@ impl PiecewiseConstant {
     /// The point of bin k at the fraction `part` of its width, and never in the next bin.
     fn within(&self, k: usize, part: f64, from_above: bool) -> f64 {
         let (low, high) = (self.edges[k], self.edges[k + 1]);
-        let x = if from_above {
-            high - part * (high - low)
-        } else {
-            low + part * (high - low)
-        };
+        let x = if from_above { high - part * (high - low) } else { low + part * (high - low) };
         let last = k + 1 == self.probabilities.len();
         x.clamp(low, if last { high } else { high.next_down() })
     }
@@ -148,10 +122,7 @@ impl PiecewiseConstant {
     /// The x with the mass `u` below it, from the sums from the left.
     fn with_mass_below(&self, u: f64) -> f64 {
         // The first sum that exceeds u ends the bin, which therefore has a positive probability.
-        let k = self
-            .below
-            .partition_point(|&sum| sum <= u)
-            .saturating_sub(1);
+        let k = self.below.partition_point(|&sum| sum <= u).saturating_sub(1);
         let k = k.min(self.probabilities.len() - 1);
         self.within(k, (u - self.below[k]) / self.probabilities[k], false)
     }
@@ -173,11 +144,7 @@ fn running_sums(values: impl Iterator<Item = f64>) -> (Vec<f64>, f64) {
     let mut sums = vec![0.0];
     for v in values {
         let next = sum + v;
-        lost += if sum >= v {
-            (sum - next) + v
-        } else {
-            (v - next) + sum
-        };
+        lost += if sum >= v { (sum - next) + v } else { (v - next) + sum };
         sum = next;
         sums.push(sum + lost);
     }
@@ -274,9 +241,7 @@ mod tests {
     const LARGEST: f64 = 1.0 - f64::EPSILON / 2.0;
 
     fn message(edges: &[f64], weights: &[f64]) -> String {
-        PiecewiseConstant::new(edges, weights)
-            .unwrap_err()
-            .to_string()
+        PiecewiseConstant::new(edges, weights).unwrap_err().to_string()
     }
 
     #[test]

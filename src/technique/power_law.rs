@@ -64,24 +64,11 @@ impl PowerLaw {
             let rule = "it must be greater than -1, since lo is 0";
             return Err(ArgumentError::new("PowerLaw", "exponent", exponent, rule));
         }
-        let width = if lo == 0.0 {
-            f64::INFINITY
-        } else {
-            ln_ratio(hi, lo)
-        };
+        let width = if lo == 0.0 { f64::INFINITY } else { ln_ratio(hi, lo) };
         let decay = Decay::new(m.abs(), width);
-        let this = Self {
-            exponent,
-            lo,
-            hi,
-            decay,
-            grows: m > 0.0,
-        };
+        let this = Self { exponent, lo, hi, decay, grows: m > 0.0 };
         let samples = [0.0, 1.0].map(|xi| this.sample(&[xi]));
-        if ![samples[0], samples[1], this.edge()]
-            .iter()
-            .all(|x| this.pdf(x).is_normal())
-        {
+        if ![samples[0], samples[1], this.edge()].iter().all(|x| this.pdf(x).is_normal()) {
             let rule = "the densities of samples must be within the range of normal numbers";
             return Err(ArgumentError::new("PowerLaw", "exponent", exponent, rule));
         }
@@ -92,11 +79,7 @@ impl PowerLaw {
     fn distances(&self, x: f64) -> (f64, f64) {
         let x = x.clamp(self.lo, self.hi);
         let (below, above) = (ln_ratio(x, self.lo), ln_ratio(self.hi, x));
-        if self.grows {
-            (above, below)
-        } else {
-            (below, above)
-        }
+        if self.grows { (above, below) } else { (below, above) }
     }
 
     /// The end where ln x is dense.
@@ -107,11 +90,7 @@ impl PowerLaw {
     /// ln((x / edge)^a).
     fn ln_power(&self, x: f64) -> f64 {
         let distance = self.distances(x).0;
-        if self.grows {
-            -self.exponent * distance
-        } else {
-            self.exponent * distance
-        }
+        if self.grows { -self.exponent * distance } else { self.exponent * distance }
     }
 
     /// The x with the mass `below` under it and `above` = 1 - `below` over it.
@@ -212,11 +191,7 @@ impl Technique for PowerLaw {
 impl InverseCdf for PowerLaw {
     fn cdf(&self, x: f64) -> f64 {
         let (dense, thin) = self.distances(x);
-        if self.grows {
-            self.decay.thin_mass(dense, thin)
-        } else {
-            self.decay.dense_mass(dense)
-        }
+        if self.grows { self.decay.thin_mass(dense, thin) } else { self.decay.dense_mass(dense) }
     }
 
     fn inverse_cdf(&self, u: f64) -> f64 {
@@ -225,11 +200,7 @@ impl InverseCdf for PowerLaw {
 
     fn survival(&self, x: f64) -> f64 {
         let (dense, thin) = self.distances(x);
-        if self.grows {
-            self.decay.dense_mass(dense)
-        } else {
-            self.decay.thin_mass(dense, thin)
-        }
+        if self.grows { self.decay.dense_mass(dense) } else { self.decay.thin_mass(dense, thin) }
     }
 
     fn inverse_survival(&self, v: f64) -> f64 {
@@ -244,22 +215,13 @@ mod tests {
     #[test]
     fn wrong_arguments_are_named() {
         for ((exponent, lo, hi), message) in [
-            (
-                (f64::NAN, 0.0, 1.0),
-                "PowerLaw: `exponent` is NaN, but it must be finite",
-            ),
-            (
-                (1.0, 0.0, f64::INFINITY),
-                "PowerLaw: `hi` is inf, but it must be finite",
-            ),
+            ((f64::NAN, 0.0, 1.0), "PowerLaw: `exponent` is NaN, but it must be finite"),
+            ((1.0, 0.0, f64::INFINITY), "PowerLaw: `hi` is inf, but it must be finite"),
             (
                 (1.0, -1.0, 1.0),
                 "PowerLaw: `lo` is -1.0, but it must be 0 or a positive normal number",
             ),
-            (
-                (1.0, 2.0, 1.0),
-                "PowerLaw: `hi` is 1.0, but it must be greater than lo = 2",
-            ),
+            ((1.0, 2.0, 1.0), "PowerLaw: `hi` is 1.0, but it must be greater than lo = 2"),
             (
                 (-1.0, 0.0, 1.0),
                 "PowerLaw: `exponent` is -1.0, but it must be greater than -1, since lo is 0",
@@ -270,10 +232,7 @@ mod tests {
                  within the range of normal numbers",
             ),
         ] {
-            assert_eq!(
-                PowerLaw::new(exponent, lo, hi).unwrap_err().to_string(),
-                message
-            );
+            assert_eq!(PowerLaw::new(exponent, lo, hi).unwrap_err().to_string(), message);
         }
     }
 

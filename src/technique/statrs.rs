@@ -72,28 +72,15 @@ impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64> + Sync> Statrs<D> {
             return Err(ArgumentError::new("Statrs", "support", (a, b), rule));
         }
         let technique = Self { distribution, a, b };
-        let first = if a == 0.0 {
-            SMALL
-        } else {
-            a.next_up().max(-LARGE)
-        };
-        let last = if b == 0.0 {
-            -SMALL
-        } else {
-            b.next_down().min(LARGE)
-        };
+        let first = if a == 0.0 { SMALL } else { a.next_up().max(-LARGE) };
+        let last = if b == 0.0 { -SMALL } else { b.next_down().min(LARGE) };
         let (below, above) = (technique.cdf(first), technique.survival(last));
         for (name, mass) in [("cdf", below), ("survival", above)] {
             let small = mass <= 1e-6;
             if !small {
                 let x = if name == "cdf" { first } else { last };
                 let rule = "it must be at most 1e-6 at the outermost float of the support";
-                return Err(ArgumentError::new(
-                    "Statrs",
-                    format!("{name}({x:e})"),
-                    mass,
-                    rule,
-                ));
+                return Err(ArgumentError::new("Statrs", format!("{name}({x:e})"), mass, rule));
             }
         }
         Ok(technique)
@@ -118,19 +105,13 @@ impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64> + Sync> Statrs<D> {
         // Far out, the library's products are 0 · inf.
         let p = self.distribution.ln_pdf(x).exp();
         let far = !(SMALL..=LARGE).contains(&x.abs());
-        if p.is_nan() && (far || self.cdf(x) == 0.0 || self.survival(x) == 0.0) {
-            0.0
-        } else {
-            p
-        }
+        if p.is_nan() && (far || self.cdf(x) == 0.0 || self.survival(x) == 0.0) { 0.0 } else { p }
     }
 }
 
 /// `f()` as a probability; NaN where it panics, as the documentation of `statrs` allows it to.
 fn probability(f: impl Fn() -> f64) -> f64 {
-    catch_unwind(AssertUnwindSafe(f))
-        .unwrap_or(f64::NAN)
-        .clamp(0.0, 1.0)
+    catch_unwind(AssertUnwindSafe(f)).unwrap_or(f64::NAN).clamp(0.0, 1.0)
 }
 
 impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64> + Sync> Technique for Statrs<D> {
@@ -145,11 +126,7 @@ impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64> + Sync> Technique for Sta
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if self.contains(*x) {
-            self.density(*x)
-        } else {
-            0.0
-        }
+        if self.contains(*x) { self.density(*x) } else { 0.0 }
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -180,13 +157,7 @@ impl<D: Continuous<f64, f64> + ContinuousCDF<f64, f64> + Sync> InverseCdf for St
 
     fn inverse_cdf(&self, u: f64) -> f64 {
         let ends = [self.a, self.b];
-        invert::inverse_cdf(
-            u,
-            ends,
-            |x| self.cdf(x),
-            |x| self.survival(x),
-            |x| self.density(x),
-        )
+        invert::inverse_cdf(u, ends, |x| self.cdf(x), |x| self.survival(x), |x| self.density(x))
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -232,10 +203,7 @@ mod tests {
         assert_eq!((p.pdf(&1e228), p.pdf(&f64::INFINITY)), (0.0, 0.0));
         assert!(d::InverseGamma::new(2.0, 3.0).unwrap().pdf(1e-277).is_nan());
         let p = Statrs::new(d::InverseGamma::new(2.0, 3.0).unwrap()).unwrap();
-        assert_eq!(
-            (p.pdf(&1e-277), p.ln_pdf(&1e-277)),
-            (0.0, f64::NEG_INFINITY)
-        );
+        assert_eq!((p.pdf(&1e-277), p.ln_pdf(&1e-277)), (0.0, f64::NEG_INFINITY));
         let p = Statrs::new(d::Gumbel::new(0.0, 1.0).unwrap()).unwrap();
         assert_eq!(
             (p.pdf(&f64::NEG_INFINITY), p.ln_pdf(&f64::NEG_INFINITY)),
@@ -248,15 +216,19 @@ mod tests {
     }
 
     #[test]
+    fn panics_of_the_library_become_nan() {
+        let p = Statrs::new(d::Gamma::new(2.0, 1e-20).unwrap()).unwrap();
+        assert!(p.cdf(1e-310).is_nan() && p.survival(1e-310).is_nan());
+        assert!((p.cdf(p.inverse_cdf(1e-300)) / 1e-300 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn mass_that_floats_cannot_resolve_is_refused() {
         let error = Statrs::new(d::Gamma::new(0.01, 1.0).unwrap()).unwrap_err();
         assert!(error.argument().starts_with("cdf("), "{error}");
         let error = Statrs::new(d::Beta::new(1.0, 0.1).unwrap()).unwrap_err();
         assert!(error.argument().starts_with("survival("), "{error}");
-        assert_eq!(
-            error.rule(),
-            "it must be at most 1e-6 at the outermost float of the support"
-        );
+        assert_eq!(error.rule(), "it must be at most 1e-6 at the outermost float of the support");
         assert!(Statrs::new(d::Beta::new(0.1, 1.0).unwrap()).is_ok());
     }
 }

@@ -32,19 +32,10 @@ impl PiecewiseConstant {
         greater(OWNER, "b", b, "a", a)?;
         finite(OWNER, "b - a", b - a)?;
         if bins == 0 {
-            return Err(ArgumentError::new(
-                OWNER,
-                "bins",
-                bins,
-                "it must be at least 1",
-            ));
+            return Err(ArgumentError::new(OWNER, "bins", bins, "it must be at least 1"));
         }
         let edge = |k: f64| {
-            if k == bins as f64 {
-                b
-            } else {
-                a + (b - a) * (k / bins as f64)
-            }
+            if k == bins as f64 { b } else { a + (b - a) * (k / bins as f64) }
         };
         let edges: Vec<f64> = (0..=bins).map(|k| edge(k as f64)).collect();
         let mut heights = Vec::with_capacity(bins);
@@ -62,11 +53,7 @@ impl PiecewiseConstant {
             // Relative to the largest, so that the squares neither over- nor underflow.
             let largest = values.into_iter().fold(0.0, f64::max);
             let squares: f64 = values.iter().map(|v| (v / largest).powi(2)).sum();
-            heights.push(if largest > 0.0 {
-                largest * (squares / 4.0).sqrt()
-            } else {
-                0.0
-            });
+            heights.push(if largest > 0.0 { largest * (squares / 4.0).sqrt() } else { 0.0 });
         }
         let largest = heights.iter().copied().fold(0.0, f64::max);
         if largest == 0.0 {
@@ -74,10 +61,7 @@ impl PiecewiseConstant {
             return Err(ArgumentError::new(OWNER, "f", 0.0, rule));
         }
         let average = heights.iter().map(|h| h / largest).sum::<f64>() / bins as f64;
-        let weights: Vec<f64> = heights
-            .iter()
-            .map(|h| h / largest + 0.01 * average)
-            .collect();
+        let weights: Vec<f64> = heights.iter().map(|h| h / largest + 0.01 * average).collect();
         Self::new(&edges, &weights)
     }
 }
@@ -95,11 +79,7 @@ mod tests {
         }
         // A spike between the points of one bin, beside a plateau.
         let f = |x: f64| {
-            if x < 0.5 {
-                1.0
-            } else {
-                f64::from((x - 0.75).abs() < 1e-4)
-            }
+            if x < 0.5 { 1.0 } else { f64::from((x - 0.75).abs() < 1e-4) }
         };
         let p = PiecewiseConstant::tabulate(0.0, 1.0, 4, f).unwrap();
         assert!(p.pdf(&0.75) > 0.0099 && f(0.75) / p.pdf(&0.75) <= 101.0);
@@ -116,9 +96,7 @@ mod tests {
     #[test]
     fn errors_name_argument_value_and_rule() {
         let table = |a, b, bins, f: fn(f64) -> f64| {
-            PiecewiseConstant::tabulate(a, b, bins, f)
-                .unwrap_err()
-                .to_string()
+            PiecewiseConstant::tabulate(a, b, bins, f).unwrap_err().to_string()
         };
         assert!(table(0.0, 1.0, 2, |x| 0.7 - x).contains("`f(0.8125), in bin 1,` is -0.1125"));
         assert!(table(0.0, 1.0, 2, |_| f64::NAN).contains("in bin 0,` is NaN"));

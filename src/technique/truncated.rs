@@ -56,33 +56,15 @@ impl<T: InverseCdf> Truncated<T> {
         greater("Truncated", "b", b, "a", a)?;
         let (low, high) = inner.support();
         let (a, b) = (a.max(low), b.min(high));
-        let mass = if a < b {
-            mass_between(&inner, a, b)
-        } else {
-            0.0
-        };
+        let mass = if a < b { mass_between(&inner, a, b) } else { 0.0 };
         let (below, above) = (inner.cdf(a), inner.survival(b));
         let (not_above, not_below) = (inner.cdf(b), inner.survival(a));
         let larger = not_above.min(not_below).min(0.5);
         if !(mass.is_normal() && mass > 0.0 && mass >= larger * 2.0_f64.powi(-30)) {
             let rule = format!("it must be a normal number, and at least 2^-30 of {larger:e}");
-            return Err(ArgumentError::new(
-                "Truncated",
-                "mass in [a, b]",
-                mass,
-                rule,
-            ));
+            return Err(ArgumentError::new("Truncated", "mass in [a, b]", mass, rule));
         }
-        Ok(Self {
-            inner,
-            a,
-            b,
-            below,
-            above,
-            not_above,
-            not_below,
-            mass,
-        })
+        Ok(Self { inner, a, b, below, above, not_above, not_below, mass })
     }
 
     /// The technique that is restricted.
@@ -104,11 +86,7 @@ impl<T: InverseCdf> Truncated<T> {
     /// The x with the part `u` of the mass below it and `v` = 1 - u above it.
     fn split(&self, u: f64, v: f64) -> f64 {
         let from_nearer = |base: f64, part: f64, far: f64, rest: f64| {
-            if part <= rest {
-                base + part * self.mass
-            } else {
-                far - rest * self.mass
-            }
+            if part <= rest { base + part * self.mass } else { far - rest * self.mass }
         };
         // From the nearer end, so that neither is overshot by more than rounding.
         let lower = from_nearer(self.below, u, self.not_above, v);
@@ -146,11 +124,7 @@ impl<T: InverseCdf> Technique for Truncated<T> {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if self.contains(*x) {
-            self.inner.pdf(x) / self.mass
-        } else {
-            0.0
-        }
+        if self.contains(*x) { self.inner.pdf(x) / self.mass } else { 0.0 }
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -230,11 +204,7 @@ mod tests {
         let pdf: fn(f64) -> f64 = |x| (-0.5 * x * x).exp() * (0.5 * FRAC_1_PI).sqrt();
         let cdf: fn(f64) -> f64 = |x| 0.5 * libm::erfc(-x * FRAC_1_SQRT_2);
         let survival: fn(f64) -> f64 = |x| 0.5 * libm::erfc(x * FRAC_1_SQRT_2);
-        Truncated::new(
-            NumericInverse::new(whole, pdf, cdf)?.with_survival(survival),
-            a,
-            b,
-        )
+        Truncated::new(NumericInverse::new(whole, pdf, cdf)?.with_survival(survival), a, b)
     }
 
     #[test]
@@ -242,26 +212,14 @@ mod tests {
         // P(8 < Z < 9) to 17 digits, from erfc in arbitrary precision.
         let mass = 6.219_831_985_865_83e-16;
         let (upper, lower) = (normal(8.0, 9.0).unwrap(), normal(-9.0, -8.0).unwrap());
-        assert!(
-            (upper.mass() / mass - 1.0).abs() < 1e-13,
-            "{:e}",
-            upper.mass()
-        );
-        assert!(
-            (lower.mass() / mass - 1.0).abs() < 1e-13,
-            "{:e}",
-            lower.mass()
-        );
+        assert!((upper.mass() / mass - 1.0).abs() < 1e-13, "{:e}", upper.mass());
+        assert!((lower.mass() / mass - 1.0).abs() < 1e-13, "{:e}", lower.mass());
         // The density is 8.1 at the end towards 0, where floats are 1.8e-15 apart.
         let grain = 8.2 * (8.0_f64.next_up() - 8.0);
         for u in [1e-12, 1e-3, 0.25, 0.5, 0.75, 0.999] {
             for p in [&upper as &dyn InverseCdf, &lower] {
                 let x = p.inverse_cdf(u);
-                assert!(
-                    (p.cdf(x) - u).abs() < 2.0 * grain,
-                    "{u}: {:e}",
-                    p.cdf(x) - u
-                );
+                assert!((p.cdf(x) - u).abs() < 2.0 * grain, "{u}: {:e}", p.cdf(x) - u);
                 let x = p.inverse_survival(u);
                 assert!((p.survival(x) - u).abs() < 2.0 * grain, "{u}");
             }
@@ -290,18 +248,12 @@ mod tests {
     fn the_ends_are_exact_and_the_rest_is_outside() {
         let p = Truncated::new(Uniform::new(0.0, 10.0).unwrap(), 2.0, 4.5).unwrap();
         assert_eq!((p.inverse_cdf(0.0), p.inverse_cdf(1.0)), (2.0, 4.5));
-        assert_eq!(
-            (p.inverse_survival(0.0), p.inverse_survival(1.0)),
-            (4.5, 2.0)
-        );
+        assert_eq!((p.inverse_survival(0.0), p.inverse_survival(1.0)), (4.5, 2.0));
         assert_eq!(
             (p.cdf(2.0), p.cdf(4.5), p.survival(2.0), p.survival(4.5)),
             (0.0, 1.0, 1.0, 0.0)
         );
-        assert_eq!(
-            (p.pdf(&1.9), p.pdf(&4.6), p.ln_pdf(&1.9)),
-            (0.0, 0.0, f64::NEG_INFINITY)
-        );
+        assert_eq!((p.pdf(&1.9), p.pdf(&4.6), p.ln_pdf(&1.9)), (0.0, 0.0, f64::NEG_INFINITY));
         assert_eq!(
             (p.cdf(1.0), p.cdf(9.0), p.survival(1.0), p.survival(9.0)),
             (0.0, 1.0, 1.0, 0.0)
@@ -320,25 +272,13 @@ mod tests {
 
     #[test]
     fn errors_name_argument_value_and_rule() {
-        let unit = |a, b| {
-            Truncated::new(Uniform::unit(), a, b)
-                .unwrap_err()
-                .to_string()
-        };
-        assert_eq!(
-            unit(1.0, 0.5),
-            "Truncated: `b` is 0.5, but it must be greater than a = 1"
-        );
+        let unit = |a, b| Truncated::new(Uniform::unit(), a, b).unwrap_err().to_string();
+        assert_eq!(unit(1.0, 0.5), "Truncated: `b` is 0.5, but it must be greater than a = 1");
         assert!(unit(f64::NAN, 1.0).contains("`a` is NaN"));
         assert!(unit(0.0, f64::NAN).contains("`b` is NaN"));
         assert!(unit(2.0, 3.0).contains("`mass in [a, b]` is 0.0"));
         assert!(unit(0.3, 0.3 + 1e-12).contains("2^-30 of"));
-        assert!(
-            normal(40.0, 41.0)
-                .unwrap_err()
-                .to_string()
-                .contains("`mass in [a, b]`")
-        );
+        assert!(normal(40.0, 41.0).unwrap_err().to_string().contains("`mass in [a, b]`"));
         let gap = PiecewiseConstant::new(&[0.0, 1.0, 2.0, 3.0], &[1.0, 0.0, 1.0]).unwrap();
         let error = Truncated::new(gap, 1.25, 1.75).unwrap_err();
         assert_eq!((error.argument(), error.value()), ("mass in [a, b]", "0.0"));

@@ -52,27 +52,16 @@ impl TruncatedCauchy {
             return Err(ArgumentError::new(OWNER, "a", a, rule));
         }
         greater(OWNER, "b", b, "a", a)?;
-        for (name, length) in [
-            ("b - a", b - a),
-            ("a - location", a - location),
-            ("b - location", b - location),
-        ] {
+        for (name, length) in
+            [("b - a", b - a), ("a - location", a - location), ("b - location", b - location)]
+        {
             if length.is_infinite() && a.is_finite() && b.is_finite() {
-                return Err(ArgumentError::new(
-                    OWNER,
-                    name,
-                    length,
-                    "it must not overflow",
-                ));
+                return Err(ArgumentError::new(OWNER, name, length, "it must not overflow"));
             }
         }
         let lower = End::new(location, scale, a, b);
         let upper = End::new(-location, scale, -b, -a);
-        let this = Self {
-            scale,
-            lower,
-            upper,
-        };
+        let this = Self { scale, lower, upper };
         representable(OWNER, scale, &this, location.clamp(a, b))?;
         Ok(this)
     }
@@ -98,14 +87,7 @@ impl End {
         let offset = a - location;
         let reach = scale.max(offset.abs());
         let t = if a.is_finite() { offset / reach } else { -1.0 };
-        let mut this = Self {
-            edge: a,
-            location,
-            reach,
-            t,
-            one: scale / reach,
-            angle: 0.0,
-        };
+        let mut this = Self { edge: a, location, reach, t, one: scale / reach, angle: 0.0 };
         this.angle = this.angle_to(b, scale);
         this
     }
@@ -116,11 +98,7 @@ impl End {
         if z == f64::INFINITY {
             return self.one.atan2(self.t);
         }
-        let distance = if self.edge.is_finite() {
-            (x - self.edge) / self.reach
-        } else {
-            1.0
-        };
+        let distance = if self.edge.is_finite() { (x - self.edge) / self.reach } else { 1.0 };
         distance.atan2(self.one + self.t * z)
     }
 
@@ -130,11 +108,7 @@ impl End {
         let below = self.one * cos - self.t * sin;
         let from_peak = scale * ((self.t * cos + self.one * sin) / below);
         let from_edge = self.reach * (sin * (self.t * self.t + self.one * self.one) / below);
-        if from_edge < from_peak.abs() {
-            self.edge + from_edge
-        } else {
-            self.location + from_peak
-        }
+        if from_edge < from_peak.abs() { self.edge + from_edge } else { self.location + from_peak }
     }
 }
 
@@ -228,30 +202,12 @@ mod tests {
     fn wrong_arguments_are_named() {
         let inf = f64::INFINITY;
         for ((location, scale, a, b), message) in [
-            (
-                (inf, 1.0, 0.0, 1.0),
-                "`location` is inf, but it must be finite",
-            ),
-            (
-                (0.0, -1.0, 0.0, 1.0),
-                "`scale` is -1.0, but it must be finite and greater than 0",
-            ),
-            (
-                (0.0, 1.0, inf, 1.0),
-                "`a` is inf, but it must be finite or negative infinity",
-            ),
-            (
-                (0.0, 1.0, f64::NAN, 1.0),
-                "`a` is NaN, but it must be finite or negative infinity",
-            ),
-            (
-                (0.0, 1.0, 1.0, 0.0),
-                "`b` is 0.0, but it must be greater than a = 1",
-            ),
-            (
-                (0.0, 1.0, -1e308, 1e308),
-                "`b - a` is inf, but it must not overflow",
-            ),
+            ((inf, 1.0, 0.0, 1.0), "`location` is inf, but it must be finite"),
+            ((0.0, -1.0, 0.0, 1.0), "`scale` is -1.0, but it must be finite and greater than 0"),
+            ((0.0, 1.0, inf, 1.0), "`a` is inf, but it must be finite or negative infinity"),
+            ((0.0, 1.0, f64::NAN, 1.0), "`a` is NaN, but it must be finite or negative infinity"),
+            ((0.0, 1.0, 1.0, 0.0), "`b` is 0.0, but it must be greater than a = 1"),
+            ((0.0, 1.0, -1e308, 1e308), "`b - a` is inf, but it must not overflow"),
             (
                 (0.0, 1e-300, 1e300, 2e300),
                 "`scale` is 1e-300, but samples and their densities must be within the range of \

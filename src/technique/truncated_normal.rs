@@ -73,11 +73,7 @@ impl TruncatedNormal {
         }
         greater(OWNER, "b", b, "a", a)?;
         let mirrored = (a - mean) / sd + (b - mean) / sd < 0.0;
-        let (mean, a, b) = if mirrored {
-            (-mean, -b, -a)
-        } else {
-            (mean, a, b)
-        };
+        let (mean, a, b) = if mirrored { (-mean, -b, -a) } else { (mean, a, b) };
         let (alpha, beta) = ((a - mean) / sd, (b - mean) / sd);
         let width = (b - a) / sd;
         let mut this = Self {
@@ -86,37 +82,19 @@ impl TruncatedNormal {
             sd,
             a,
             b,
-            alpha: Score {
-                z: alpha,
-                shape: 1.0,
-            },
-            beta: Score {
-                z: beta,
-                shape: 1.0,
-            },
+            alpha: Score { z: alpha, shape: 1.0 },
+            beta: Score { z: beta, shape: 1.0 },
             total: 1.0,
             reach: [0.0; 2],
         };
         this.alpha.shape = this.ln_shape(a).exp();
         this.beta.shape = this.ln_shape(b).exp();
         this.total = this.mass(this.alpha, this.beta, width);
-        this.reach = [alpha, -beta].map(|z| {
-            if z.is_finite() {
-                series(z, width.min(series_limit(z)))
-            } else {
-                0.0
-            }
-        });
+        this.reach = [alpha, -beta]
+            .map(|z| if z.is_finite() { series(z, width.min(series_limit(z))) } else { 0.0 });
         let points = [this.sample(&[0.0]), mean.clamp(a, b), this.sample(&[1.0])];
-        let points = [
-            points[0],
-            if mirrored { -points[1] } else { points[1] },
-            points[2],
-        ];
-        if !points
-            .iter()
-            .all(|x| x.is_finite() && this.pdf(x).is_normal())
-        {
+        let points = [points[0], if mirrored { -points[1] } else { points[1] }, points[2]];
+        if !points.iter().all(|x| x.is_finite() && this.pdf(x).is_normal()) {
             let rule = "samples and their densities must be within the range of normal numbers";
             return Err(ArgumentError::new(OWNER, "sd", sd, rule));
         }
@@ -223,11 +201,7 @@ impl TruncatedNormal {
         if !(0.0..=1.0).contains(&below) || !(0.0..=1.0).contains(&above) {
             return f64::NAN;
         }
-        let (below, above) = if self.mirrored {
-            (above, below)
-        } else {
-            (below, above)
-        };
+        let (below, above) = if self.mirrored { (above, below) } else { (below, above) };
         let x = if below == 0.0 {
             self.a
         } else if above == 0.0 {
@@ -251,27 +225,17 @@ impl TruncatedNormal {
         if x == self.b {
             return (1.0, 0.0);
         }
-        let at = Score {
-            z: (x - self.mean) / self.sd,
-            shape: self.ln_shape(x).exp(),
-        };
+        let at = Score { z: (x - self.mean) / self.sd, shape: self.ln_shape(x).exp() };
         let below = self.mass(self.alpha, at, (x - self.a) / self.sd) / self.total;
         let above = self.mass(at, self.beta, (self.b - x) / self.sd) / self.total;
         // Of two roundings of the same split, the smaller part has the smaller error.
-        if below < above {
-            (below, 1.0 - below)
-        } else {
-            (1.0 - above, above)
-        }
+        if below < above { (below, 1.0 - below) } else { (1.0 - above, above) }
     }
 }
 
 impl Score {
     fn mirrored(self) -> Self {
-        Self {
-            z: -self.z,
-            shape: self.shape,
-        }
+        Self { z: -self.z, shape: self.shape }
     }
 }
 
@@ -288,11 +252,7 @@ impl Technique for TruncatedNormal {
 
     fn pdf(&self, x: &f64) -> f64 {
         let x = self.mirror(*x);
-        if self.a <= x && x <= self.b {
-            self.ln_shape(x).exp() / self.total / self.sd
-        } else {
-            0.0
-        }
+        if self.a <= x && x <= self.b { self.ln_shape(x).exp() / self.total / self.sd } else { 0.0 }
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -333,26 +293,11 @@ mod tests {
     fn wrong_arguments_are_named() {
         let inf = f64::INFINITY;
         for ((mean, sd, a, b), message) in [
-            (
-                (f64::NAN, 1.0, 0.0, 1.0),
-                "`mean` is NaN, but it must be finite",
-            ),
-            (
-                (0.0, 0.0, 0.0, 1.0),
-                "`sd` is 0.0, but it must be finite and greater than 0",
-            ),
-            (
-                (0.0, 1.0, f64::NAN, 1.0),
-                "`a` is NaN, but it must be finite or negative infinity",
-            ),
-            (
-                (0.0, 1.0, inf, inf),
-                "`a` is inf, but it must be finite or negative infinity",
-            ),
-            (
-                (0.0, 1.0, 1.0, -1.0),
-                "`b` is -1.0, but it must be greater than a = 1",
-            ),
+            ((f64::NAN, 1.0, 0.0, 1.0), "`mean` is NaN, but it must be finite"),
+            ((0.0, 0.0, 0.0, 1.0), "`sd` is 0.0, but it must be finite and greater than 0"),
+            ((0.0, 1.0, f64::NAN, 1.0), "`a` is NaN, but it must be finite or negative infinity"),
+            ((0.0, 1.0, inf, inf), "`a` is inf, but it must be finite or negative infinity"),
+            ((0.0, 1.0, 1.0, -1.0), "`b` is -1.0, but it must be greater than a = 1"),
             (
                 (0.0, 1e-300, 1e300, 2e300),
                 "`sd` is 1e-300, but samples and their densities must be within the range of \

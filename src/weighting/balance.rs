@@ -33,8 +33,7 @@ impl Weighting for Balance {
         for (chunk, out) in out.chunks_exact_mut(LANES).enumerate() {
             let mut c = [0.0; LANES];
             for (a, p) in q.rows() {
-                let p = &p[chunk * LANES..][..LANES];
-                for (c, p) in c.iter_mut().zip(p) {
+                for (c, p) in c.iter_mut().zip(&p.as_chunks::<LANES>().0[chunk]) {
                     *c += a * p;
                 }
             }

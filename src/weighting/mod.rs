@@ -57,7 +57,8 @@ pub trait Weighting: Sync {
     /// w_i / r_i at a point where technique `i` has just drawn a sample, from all the ratios
     /// r_k = q_k / max q (the largest is exactly 1).
     ///
-    /// r_i may have underflowed to 0; the quotient is then the limit, if that is finite.
+    /// r_i may have underflowed to 0; the quotient is then the limit, if that is finite. NaN makes
+    /// the estimators ask for the logarithm instead.
     fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64;
 
     /// ln(w_i / r_i), where r_i may have underflowed but `ln_r`\[i\] has not.
@@ -177,12 +178,15 @@ pub fn weights<W: Weighting + ?Sized>(weighting: &W, q: &[f64]) -> Option<Vec<f6
     let weight = |i: usize| {
         if let Some(w) = weighting.constant_weight(i, &present) {
             w
-        } else if q[i] == 0.0 {
+        } else if r[i] == 0.0 && (q[i] == 0.0 || largest.is_infinite()) {
             0.0
-        } else if r[i] >= f64::MIN_POSITIVE {
-            weighting.weight_over_ratio(i, &r) * r[i]
         } else {
-            (weighting.ln_weight_over_ratio(i, &ln_r, &r) + ln_r[i]).exp()
+            let w = weighting.weight_over_ratio(i, &r) * r[i];
+            if w.is_nan() {
+                (weighting.ln_weight_over_ratio(i, &ln_r, &r) + ln_r[i]).exp()
+            } else {
+                w
+            }
         }
     };
     Some((0..q.len()).map(weight).collect())

@@ -50,20 +50,21 @@ impl Power {
 
 impl Weighting for Power {
     fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64 {
+        // With β < 1 even a ratio that underflowed may have weight.
+        if self.beta < 1.0 && r.contains(&0.0) {
+            return f64::NAN;
+        }
         let sum = r.iter().map(|r| self.power(*r)).sum::<f64>();
         if self.beta == 2.0 { r[i] / sum } else { r[i].powf(self.beta - 1.0) / sum }
     }
 
     fn ln_weight_over_ratio(&self, i: usize, ln_r: &[f64], r: &[f64]) -> f64 {
-        // β = ∞ or r_i = 1 would make 0 · ∞ of the product.
-        if self.beta.is_infinite() || ln_r[i] == 0.0 {
+        if self.beta >= 1.0 {
             return self.weight_over_ratio(i, r).ln();
         }
-        // At β = 0 a ratio that underflowed still counts as covering the point.
-        let sum: f64 = ln_r
-            .iter()
-            .map(|l| if *l == f64::NEG_INFINITY { 0.0 } else { (self.beta * l).exp() })
-            .sum();
+        // exp(0 · -∞) would be NaN: what does not cover the point has no weight at β = 0 either.
+        let covering = ln_r.iter().filter(|l| **l > f64::NEG_INFINITY);
+        let sum: f64 = covering.map(|l| (self.beta * l).exp()).sum();
         (self.beta - 1.0) * ln_r[i] - sum.ln()
     }
 }

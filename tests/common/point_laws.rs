@@ -30,16 +30,10 @@ pub(crate) fn check_points<P: AsRef<[f64]> + Clone + PartialEq + std::fmt::Debug
         }
         let (pdf, ln_pdf) = (p.pdf(&x), p.ln_pdf(&x));
         assert!(ln_pdf.is_finite(), "ln_pdf({x:?}) = {ln_pdf}");
-        assert!(
-            pdf.is_finite() && (pdf > 0.0 || ln_pdf < -700.0),
-            "pdf({x:?}) = {pdf}"
-        );
+        assert!(pdf.is_finite() && (pdf > 0.0 || ln_pdf < -700.0), "pdf({x:?}) = {pdf}");
         let miss = (ln_pdf - pdf.ln()).abs();
         let bound = 8.0 * marginals.len() as f64 * f64::EPSILON * ln_pdf.abs().max(1.0);
-        assert!(
-            miss <= bound || !pdf.is_normal(),
-            "ln_pdf({x:?}) is off by {miss:e}"
-        );
+        assert!(miss <= bound || !pdf.is_normal(), "ln_pdf({x:?}) is off by {miss:e}");
         let mut over = make(&vec![7.0; marginals.len()]);
         p.sample_into(xi, &mut over);
         assert_eq!(over, x, "sample_into");
@@ -48,11 +42,7 @@ pub(crate) fn check_points<P: AsRef<[f64]> + Clone + PartialEq + std::fmt::Debug
     batches(p, &xis, &make(&vec![7.0; marginals.len()]));
     if marginals.len() <= 3 {
         let total = total_mass(p, marginals, make);
-        assert!(
-            (total - 1.0).abs() <= integral,
-            "∫ p - 1 = {:e}",
-            total - 1.0
-        );
+        assert!((total - 1.0).abs() <= integral, "∫ p - 1 = {:e}", total - 1.0);
     }
     let xis = canonical_numbers(3, n * dimension);
     let xs: Vec<P> = xis.chunks_exact(dimension).map(|xi| p.sample(xi)).collect();
@@ -61,9 +51,7 @@ pub(crate) fn check_points<P: AsRef<[f64]> + Clone + PartialEq + std::fmt::Debug
         let mut ranks: Vec<f64> = xs.iter().map(|x| marginal.cdf(x.as_ref()[d])).collect();
         chi_squared(
             &[1.0 / 32.0; 32],
-            ranks
-                .iter()
-                .map(|u| edges.partition_point(|edge| edge <= u)),
+            ranks.iter().map(|u| edges.partition_point(|edge| edge <= u)),
         );
         kolmogorov(&mut ranks);
     }
@@ -105,11 +93,7 @@ fn batches<P: Clone + PartialEq + std::fmt::Debug>(
         p.pdf_batch(&xs, &mut pdfs);
         for ((xi, x), pdf) in xis.chunks_exact(p.dimension()).zip(&xs).zip(&pdfs) {
             assert_eq!(*x, p.sample(xi), "batch and scalar at {xi:?}");
-            assert_eq!(
-                pdf.to_bits(),
-                p.pdf(x).to_bits(),
-                "batch and scalar pdf at {x:?}"
-            );
+            assert_eq!(pdf.to_bits(), p.pdf(x).to_bits(), "batch and scalar pdf at {x:?}");
         }
     }
 }

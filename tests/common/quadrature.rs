@@ -23,11 +23,7 @@ pub(crate) fn integral(f: &dyn Fn(f64) -> f64, a: f64, b: f64, scale: f64) -> f6
         } else {
             let distance = scale * (FRAC_PI_2 * t.sinh()).exp();
             let weight = distance * FRAC_PI_2 * t.cosh();
-            let x = if a.is_finite() {
-                a + distance
-            } else {
-                b - distance
-            };
+            let x = if a.is_finite() { a + distance } else { b - distance };
             term(f, x, weight)
         }
     };

@@ -5,9 +5,10 @@ use std::f64::consts::TAU;
 use crate::common::laws::canonical_numbers;
 use crate::support::{alone, assert_close, assert_unbiased, direction, horizontal, sphere_light};
 use mis::lighting::{
-    Bsdf, DVec3, Lambert, Light, ModifiedPhong, PhongLobe, ReflectedRadiance, Sphere, Surface,
+    Bsdf, DVec3, Direction, Lambert, Light, ModifiedPhong, PhongLobe, ReflectedRadiance, Sphere,
+    Surface,
 };
-use mis::{Estimator, MultiSample, Technique};
+use mis::{Estimator, Integrand, MultiSample, Technique};
 
 const EXPONENTS: [f64; 5] = [0.0, 1.0, 1e2, 1e6, 1e12];
 
@@ -18,10 +19,16 @@ fn furnace() -> Light<f64> {
 
 #[test]
 fn lobe_samples_have_a_density_at_any_exponent() {
-    let axis = direction(0.4, -0.5, 0.2);
-    let mut xis = canonical_numbers(31, 2000);
+    for k in 0..20 {
+        let turn = f64::from(k);
+        lobe_samples_about(direction(turn.sin(), turn.cos(), 0.2 * turn - 2.0));
+    }
+}
+
+fn lobe_samples_about(axis: Direction) {
+    let mut xis = canonical_numbers(31, 500);
     for u in [0.0, 1e-300, 1.0 - f64::EPSILON / 2.0, 1.0] {
-        xis.extend([u, 0.0, u, 0.25, u, 0.7, u, 1.0]);
+        xis.extend((0..=50).flat_map(|k| [u, f64::from(k) / 50.0]));
     }
     for n in [0.0, 1e-3, 1.0, 1e2, 1e6, 1e12, 1e24] {
         let lobe = PhongLobe::new(axis, n).unwrap();
@@ -40,8 +47,8 @@ fn lobe_samples_have_a_density_at_any_exponent() {
                 "n = {n}, {xi:?}: {ln_pdf} {exact}"
             );
         }
-        assert_eq!(lobe.pdf(&direction(-0.4, 0.5, -0.2)), 0.0);
-        assert_eq!(lobe.ln_pdf(&direction(-0.4, 0.5, -0.2)), f64::NEG_INFINITY);
+        let opposite = Direction::new(-axis.vector()).unwrap();
+        assert_eq!((lobe.pdf(&opposite), lobe.ln_pdf(&opposite)), (0.0, f64::NEG_INFINITY));
     }
 }
 
@@ -80,6 +87,36 @@ fn lobe_samples_below_the_surface_contribute_nothing_and_count() {
         let exact = (n + 2.0) / (n + 1.0) * mean_sine(n) / std::f64::consts::PI;
         assert_unbiased(&estimate, exact, 0.05, &format!("n = {n}"));
     }
+}
+
+/// A BSDF that claims to reflect light from below, too.
+#[derive(Debug)]
+struct Translucent;
+
+impl Bsdf for Translucent {
+    type Value = f64;
+
+    fn value(&self, _: &Surface, _: &Direction) -> f64 {
+        1.0
+    }
+
+    fn techniques(&self, _: &Surface) -> Vec<Box<dyn Technique<Point = Direction>>> {
+        Vec::new()
+    }
+}
+
+#[test]
+fn light_from_below_the_surface_is_not_reflected() {
+    let incident = alone(furnace());
+    let (surface, below) = (horizontal(), direction(1.0, 0.0, -1e-9));
+    assert_eq!(Lambert::new(0.5).unwrap().value(&surface, &below), 0.0);
+    let oblique = Surface::new(DVec3::ZERO, surface.normal(), direction(-1.0, 0.0, 0.5)).unwrap();
+    let phong = ModifiedPhong::new(0.5, 2.0).unwrap();
+    assert_eq!(phong.value(&oblique, &below), 0.0);
+    assert!(phong.value(&oblique, &direction(1.0, 0.0, 1e-9)) > 0.0);
+    let f = ReflectedRadiance::new(&incident, surface, &Translucent);
+    assert_eq!(f.eval(&below), 0.0);
+    assert!(f.eval(&direction(1.0, 0.0, 1e-9)) > 0.0);
 }
 
 /// E[sin α] for the density (n + 1) cosⁿ α sin α: (n + 1) B((n + 1) / 2, 3/2) / 2.

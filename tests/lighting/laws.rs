@@ -7,7 +7,7 @@ use crate::common::quadrature::gauss;
 use crate::support::{ceiling, direction};
 use mis::Technique;
 use mis::lighting::{
-    CosineHemisphere, DVec3, Direction, PhongLobe, Rectangle, Sphere, SphericalRectangle,
+    CosineHemisphere, DVec3, Direction, PhongLobe, Rectangle, Shape, Sphere, SphericalRectangle,
 };
 
 /// Chi-squared over cells of rings × 8 sectors about `axis`, with the cells' probabilities from
@@ -153,5 +153,49 @@ fn a_tilted_rectangle_is_the_same_as_a_level_one() {
         let (s, t) = (level.hit(&v).unwrap(), tilted.hit(&w).unwrap());
         assert!((s / t - 1.0).abs() < 1e-14);
         assert_eq!(level.pdf(&direction(0.0, 0.0, -1.0)), 0.0);
+    }
+}
+
+#[test]
+fn lengths_may_be_of_any_unit() {
+    // From 2^-500 to 2^500: the same bits.
+    let xis = canonical_numbers(23, 200);
+    for exponent in [-500, -300, 300, 500] {
+        let unit = 2f64.powi(exponent);
+        let point = DVec3::new(0.2, 0.1, -0.4);
+        let seen = |unit: f64| {
+            let rectangle =
+                Rectangle::new(DVec3::ONE * unit, DVec3::X * unit, 1.5 * DVec3::Z * unit).unwrap();
+            let sphere = Sphere::new(DVec3::new(2.0, 3.0, -1.0) * unit, 1.5 * unit).unwrap();
+            let around = Sphere::new(DVec3::new(2.0, 3.0, -1.0) * unit, 5.0 * unit).unwrap();
+            [rectangle.into(), sphere.into(), around.into()]
+                .map(|shape: Shape| shape.seen_from(point * unit).unwrap())
+        };
+        for (here, there) in seen(1.0).iter().zip(&seen(unit)) {
+            assert_eq!(here.value(), there.value());
+            for xi in xis.chunks_exact(2) {
+                let (v, w) = (here.sample(xi), there.sample(xi));
+                assert_eq!((v, here.pdf(&v)), (w, there.pdf(&w)));
+                assert_eq!(here.hit(&v).unwrap() * unit, there.hit(&w).unwrap());
+            }
+        }
+    }
+}
+
+#[test]
+fn missing_numbers_give_no_direction() {
+    let sphere = Sphere::new(DVec3::Z, 0.5).unwrap();
+    let rectangle = ceiling([-1.0, 1.0], [-1.0, 1.0], 1.0);
+    let lobe = PhongLobe::new(direction(0.0, 0.0, 1.0), 5.0).unwrap();
+    let [sphere, rectangle] =
+        [sphere.into(), rectangle.into()].map(|s: Shape| s.seen_from(DVec3::ZERO).unwrap());
+    let hemisphere = CosineHemisphere::new(direction(0.0, 0.0, 1.0));
+    let techniques: [&dyn Technique<Point = Direction>; 4] =
+        [&sphere, &rectangle, &lobe, &hemisphere];
+    for technique in techniques {
+        for xi in [&[][..], &[0.5], &[f64::NAN, 0.5], &[0.5, f64::NAN]] {
+            let w = technique.sample(xi);
+            assert!(w.vector().is_nan() && !(technique.pdf(&w) > 0.0), "{xi:?}: {w:?}");
+        }
     }
 }

@@ -1,4 +1,6 @@
 //! The lighting integral: closed forms, laws, extremes, occlusion, and Veach's figure as a table.
+#![allow(clippy::unwrap_used, clippy::expect_used)] // the helpers of tests fail as tests do
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // numbers of cells
 
 #[path = "../common/mod.rs"]
 mod common;

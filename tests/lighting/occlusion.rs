@@ -106,17 +106,20 @@ fn a_surface_does_not_shadow_itself() {
 
 #[test]
 fn a_light_on_a_wall_is_not_shadowed_by_the_wall() {
-    let tilt = direction(0.3, -0.2, 0.9).vector();
-    let (s, t) = tilt.any_orthonormal_pair();
-    let centre = DVec3::new(0.1, 0.2, 3.0);
-    let light = Light::new(Rectangle::new(centre, s, 0.5 * t).unwrap(), 1.0).unwrap();
-    let wall = Rectangle::new(centre + 0.3 * s, 7.0 * s, 5.0 * t).unwrap();
-    let scene = Scene::new().light(light).occluder(wall);
-    let incident = scene.seen_from(DVec3::ZERO).unwrap();
-    let bsdf = white();
-    let f = ReflectedRadiance::new(&incident, horizontal(), &bsdf);
-    let mis = MultiSample::new(&[(&incident.lights()[0], 1000)]).unwrap();
-    assert_eq!(mis.estimate(&f, 1).unwrap().zero(), 0);
+    for k in 0..20 {
+        let turn = f64::from(k);
+        let tilt = direction(0.3 * turn.sin(), 0.2 * turn.cos(), 0.9).vector();
+        let (s, t) = tilt.any_orthonormal_pair();
+        let centre = DVec3::new(0.1, 0.02 * turn, 3.0);
+        let light = Light::new(Rectangle::new(centre, s, 0.5 * t).unwrap(), 1.0).unwrap();
+        let wall = Rectangle::new(centre + 0.3 * s - 0.1 * turn * t, 7.0 * s, 5.0 * t).unwrap();
+        let scene = Scene::new().light(light).occluder(wall);
+        let incident = scene.seen_from(DVec3::ZERO).unwrap();
+        let bsdf = white();
+        let f = ReflectedRadiance::new(&incident, horizontal(), &bsdf);
+        let mis = MultiSample::new(&[(&incident.lights()[0], 1000)]).unwrap();
+        assert_eq!(mis.estimate(&f, 1).unwrap().zero(), 0, "{k}");
+    }
 }
 
 #[test]

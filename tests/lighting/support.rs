@@ -69,7 +69,7 @@ pub(crate) fn alone(light: Light<f64>) -> Incident<f64> {
 }
 
 /// E / L for a polygon that is wholly above the horizon of the normal, seen from the origin:
-/// ½ Σ `γ_k` n·(`v_k` × `v_k+1`) / |`v_k` × `v_k+1`|, with the angles `γ_k` between vertices.
+/// ½ Σ γ_k n·(v_k × v_k+1) / |v_k × v_k+1|, with the angles γ_k between vertices.
 ///
 /// Source: J. H. Lambert, *Photometria*, 1760.
 pub(crate) fn polygon_irradiance(normal: Direction, vertices: &[DVec3]) -> f64 {
