@@ -17,10 +17,13 @@ use mis::{Estimator, MultiSample, OneSample, Technique};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Dxsm;
 
-const BY_HAND: [(&str, fn(u64) -> f64); 2] =
+/// Its name, and what it computes from a number of samples.
+type Variant = (&'static str, fn(u64) -> f64);
+
+const BY_HAND: [Variant; 2] =
     [("by hand, f, p1, p2 separate", hand_separate), ("by hand, sin and cos shared", hand_shared)];
 
-const LIBRARY: [(&str, fn(u64) -> f64); 5] = [
+const LIBRARY: [Variant; 5] = [
     ("balance, closures", balance),
     ("balance, the point carries sin and cos", balance_carried),
     ("power 2, closures", power),
@@ -92,12 +95,12 @@ fn by_hand(n: u64, contribution: impl Fn(f64, f64) -> f64) -> f64 {
     let mut variance = 0.0;
     let per_technique = (n / 2) as f64;
     for technique in 0..2 {
-        let mut generator = Pcg64Dxsm::seed_from_u64(technique);
+        let mut generator = Pcg64Dxsm::seed_from_u64(technique as u64);
         let (mut sum, mut squares) = (0.0, 0.0);
         for _ in 0..n / 2 {
             let xi = f64::from_bits(generator.next_u64() >> 12 | 1_f64.to_bits())
                 - (1.0 - f64::EPSILON / 2.0);
-            let y = contribution(sample(technique as usize, xi), per_technique);
+            let y = contribution(sample(technique, xi), per_technique);
             sum += y;
             squares += y * y;
         }

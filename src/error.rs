@@ -118,6 +118,19 @@ pub enum EstimateError {
         /// The contribution, times the number of samples.
         contribution: f64,
     },
+    /// A technique made fewer points than it was given canonical numbers for.
+    #[error(
+        "`sample_batch` of technique {technique} made {sampled} points from numbers for {asked}; \
+         it must make one for each row"
+    )]
+    Batch {
+        /// The technique.
+        technique: usize,
+        /// How many points it should have made.
+        asked: usize,
+        /// How many it made.
+        sampled: usize,
+    },
     /// The point source ran out.
     #[error(transparent)]
     Points(#[from] PointsExhausted),

@@ -265,8 +265,7 @@ fn constant_weights_evaluate_only_the_own_pdf() {
 fn the_weights_sum_to_1_over_all_exponents() {
     let mut generator = Pcg64Dxsm::seed_from_u64(1);
     let mut uniform = || generator.next_u64() as f64 / 2f64.powi(64);
-    for _ in 0..100_000 {
-        let k = 1 + (uniform() * 6.0) as usize;
+    for k in (1..=6).cycle().take(100_000) {
         let q: Vec<f64> = (0..k).map(|_| 10f64.powf(uniform() * 615.0 - 307.0)).collect();
         let sums = [
             weights(&Balance, &q),
@@ -280,10 +279,44 @@ fn the_weights_sum_to_1_over_all_exponents() {
         for (name, w) in sums.into_iter().enumerate() {
             let w = w.unwrap();
             let sum: f64 = w.iter().sum();
-            assert!((sum - 1.0).abs() <= 3.0 * k as f64 * f64::EPSILON, "{name}: {q:?} {w:?}");
+            assert!((sum - 1.0).abs() <= 3.0 * f64::from(k) * f64::EPSILON, "{name}: {q:?} {w:?}");
             assert!(w.iter().all(|w| (0.0..=1.0 + f64::EPSILON).contains(w)), "{name}: {w:?}");
         }
     }
+}
+
+/// Weightings behind pointers, so that a list can hold several.
+#[test]
+fn a_boxed_weighting_is_the_weighting() {
+    let (a, b) = (Stated { number: 0, q: 0.5 }, Stated { number: 1, q: 2.0 });
+    let f = |i: &usize| [3.0, 5.0][*i];
+    let value = |weighting: &dyn Weighting| {
+        let mis = MultiSample::new(&[(&a, 2), (&b, 1)]).unwrap().weighting(weighting).unwrap();
+        mis.estimate(&f, 1).unwrap().value()
+    };
+    let direct = |weighting: &dyn Weighting| {
+        let w = |i| {
+            let q = [2.0 * 0.5, 2.0];
+            weighting.constant_weight(i, &[0.5; 2]).unwrap_or(weights(weighting, &q).unwrap()[i])
+        };
+        w(0) * 3.0 / 0.5 + w(1) * 5.0 / 2.0
+    };
+    let list: [Box<dyn Weighting>; 5] = [
+        Box::new(Balance),
+        Box::new(Power::new(0.5).unwrap()),
+        Box::new(Cutoff::new(0.6).unwrap()),
+        Box::new(Maximum),
+        Box::new(Constant::new([0.25, 0.75]).unwrap()),
+    ];
+    for weighting in &list {
+        assert!(
+            (value(&weighting) / direct(&weighting) - 1.0).abs() < 1e-14,
+            "{}",
+            value(weighting)
+        );
+    }
+    let wrong: Box<dyn Weighting> = Box::new(Constant::new([1.0]).unwrap());
+    assert!(MultiSample::new(&[(&a, 2), (&b, 1)]).unwrap().weighting(wrong).is_err());
 }
 
 proptest! {

@@ -76,6 +76,8 @@ pub struct Largest {
     pub sample: u64,
     /// The contribution; the estimate is the sum of all of them.
     pub contribution: f64,
+    /// The contribution over the value; `None` where the value is 0.
+    pub share_of_value: Option<f64>,
 }
 
 impl<V: Value> Estimate<V> {
@@ -193,7 +195,13 @@ impl<V: Value> Estimate<V> {
                 let extreme = self.extremes[technique * V::COMPONENTS + c];
                 let contribution = extreme.y / total;
                 if contribution.abs() > largest.map_or(0.0, |l| l.contribution.abs()) {
-                    largest = Some(Largest { technique, sample: extreme.index, contribution });
+                    let value = self.value_of(c);
+                    largest = Some(Largest {
+                        technique,
+                        sample: extreme.index,
+                        contribution,
+                        share_of_value: (value != 0.0).then(|| contribution / value),
+                    });
                 }
             }
             largest

@@ -1,8 +1,10 @@
 //! The block kernel: every sample of every estimator passes through it.
 
 use std::fmt::Debug;
+use std::slice::ChunksExact;
 
 use super::Dyn;
+use super::sample::{OnFault, Sample};
 use crate::error::{EstimateError, Fault};
 use crate::estimate::Counts;
 use crate::integrand::{Integrand, Value};
@@ -13,63 +15,6 @@ use crate::weighting::{Densities, SAFE, Weighting};
 /// Samples per block: the buffers of a few techniques fit the first-level cache, and a virtual
 /// call per block costs nothing.
 pub(super) const BLOCK: usize = 512;
-
-/// What to do with a sample that has no usable contribution: the integrand is not finite, the
-/// contribution overflows, or the technique's own pdf is 0, negative or NaN.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[non_exhaustive]
-pub enum OnFault {
-    /// Stop with an [`EstimateError`] that names the sample.
-    #[default]
-    Error,
-    /// Let it contribute 0, and count it. The estimate is then biased by what is missing.
-    CountAsZero,
-}
-
-/// A sample, as an estimator shows it.
-#[derive(Debug, Clone, Copy)]
-pub struct Sample<'a, P, V> {
-    technique: usize,
-    index: u64,
-    x: &'a P,
-    value: &'a V,
-    /// One a component, `BLOCK` apart; times the number of samples.
-    y: &'a [f64],
-    total: f64,
-}
-
-impl<'a, P, V: Value> Sample<'a, P, V> {
-    /// The technique that drew it.
-    #[must_use]
-    pub fn technique(&self) -> usize {
-        self.technique
-    }
-
-    /// Its index, counted within the technique (multi-sample) or over all samples (one-sample).
-    #[must_use]
-    pub fn index(&self) -> u64 {
-        self.index
-    }
-
-    /// The point x.
-    #[must_use]
-    pub fn x(&self) -> &'a P {
-        self.x
-    }
-
-    /// f(x).
-    #[must_use]
-    pub fn value(&self) -> &'a V {
-        self.value
-    }
-
-    /// w_i(x) f(x) / (n_i p_i(x)), or w_i(x) f(x) / (N P_i p_i(x)) in the one-sample model. The
-    /// sum over all samples is the estimate.
-    #[must_use]
-    pub fn contribution(&self) -> V::Each<f64> {
-        V::each(|c| self.y[c * BLOCK] / self.total)
-    }
-}
 
 /// What all samples of an estimate have in common.
 pub(super) struct Kernel<'a, P, W> {
@@ -152,7 +97,10 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         let Buffers { xi, xs, values, pdfs, factors, y, blocks, ratios } = buffers;
         self.techniques[i].sample_batch(xi, xs);
         let rows = xi.len() / self.techniques[i].dimension().max(1);
-        let n = xs.len().min(rows).min(BLOCK);
+        let n = rows.min(BLOCK);
+        if xs.len() < n {
+            return Err(EstimateError::Batch { technique: i, asked: n, sampled: xs.len() });
+        }
         let (xs, values, factors) = (&xs[..n], &mut values[..n], &mut factors[..n]);
         let pdfs = &mut pdfs[..n * self.techniques.len()];
         f.eval_batch(xs, values);
@@ -188,7 +136,8 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         // A factor that is not exact is NaN, and so is then its contribution.
         if !(sound && blocks.iter().all(|block| block.mean.is_finite())) {
             for j in 0..n {
-                let fault = self.check(i, &xs[j], &values[j], y, j, ratios);
+                let rows = pdfs.chunks_exact(n);
+                let fault = self.check(i, (&xs[j], &values[j]), rows, y, j, ratios);
                 if let Err(fault) = fault {
                     if self.on_fault == OnFault::Error {
                         return Err(EstimateError::new(i, index(j), &xs[j], fault));
@@ -238,12 +187,12 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
     }
 
     /// Looks at sample `j` of a block alone: turns to logarithms where densities leave the range,
-    /// and finds what is wrong with it.
+    /// and finds what is wrong with it. `pdfs` holds a row for each technique.
     fn check<V: Value>(
         &self,
         i: usize,
-        x: &P,
-        value: &V,
+        (x, value): (&P, &V),
+        pdfs: ChunksExact<'_, f64>,
         y: &mut [f64],
         j: usize,
         Ratios { r, ln_r }: &mut Ratios,
@@ -251,23 +200,30 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         if !value.is_finite() {
             return Err(Fault::Value(format!("{value:?}")));
         }
+        for (of, row) in pdfs.clone().enumerate() {
+            let pdf = row[j];
+            if !(pdf >= 0.0) || (of == i && pdf == f64::INFINITY) {
+                return Err(Fault::Density { of, pdf });
+            }
+        }
+        // A pdf of 0 may have underflowed; its logarithm knows.
+        let underflowed = pdfs.clone().nth(i).is_none_or(|row| row[j] == 0.0);
+        let finite = (0..V::COMPONENTS).all(|c| y[c * BLOCK + j].is_finite());
+        if finite && !underflowed {
+            return Ok(());
+        }
         let constant = self.weighting.constant_weight(i, self.alpha);
-        for (k, ln_q) in ln_r.iter_mut().enumerate() {
+        for ((k, ln_q), row) in ln_r.iter_mut().enumerate().zip(pdfs) {
             *ln_q = f64::NEG_INFINITY;
             if self.alpha[k] == 0.0 || (constant.is_some() && k != i) {
                 continue;
             }
-            let pdf = self.techniques[k].pdf(x);
             let ln_pdf = self.techniques[k].ln_pdf(x);
-            // A pdf of 0 may have underflowed; its logarithm knows. NaN and negative ones are wrong.
-            let valid = pdf >= 0.0 && !ln_pdf.is_nan();
-            let covers = ln_pdf > f64::NEG_INFINITY && ln_pdf < f64::INFINITY;
-            if !valid || (k == i && !covers) {
-                return Err(Fault::Density { of: k, pdf });
+            if ln_pdf.is_nan() || (k == i && ln_pdf.is_infinite()) {
+                return Err(Fault::Density { of: k, pdf: row[j] });
             }
             *ln_q = self.density_factors[k].ln() + ln_pdf;
         }
-        let finite = (0..V::COMPONENTS).all(|c| y[c * BLOCK + j].is_finite());
         if finite {
             return Ok(());
         }

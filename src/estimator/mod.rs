@@ -3,10 +3,11 @@
 mod kernel;
 mod multi_sample;
 mod one_sample;
+mod sample;
 
-pub use kernel::{OnFault, Sample};
 pub use multi_sample::MultiSample;
 pub use one_sample::OneSample;
+pub use sample::{OnFault, Sample};
 
 use std::fmt::Debug;
 

@@ -2,7 +2,8 @@
 
 use std::fmt::Debug;
 
-use super::kernel::{BLOCK, Kernel, OnFault, Sample};
+use super::kernel::{BLOCK, Kernel};
+use super::sample::{OnFault, Sample};
 use super::{Dyn, Estimator, check_techniques};
 use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::{Design, Estimate};

@@ -109,6 +109,35 @@ pub trait Weighting: Sync {
     }
 }
 
+macro_rules! forward {
+    ($([$($lifetime:lifetime)?] $pointer:ty),*) => {$(
+        impl<$($lifetime,)? W: Weighting + ?Sized> Weighting for $pointer where $pointer: Sync {
+            fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64 {
+                (**self).weight_over_ratio(i, r)
+            }
+            fn ln_weight_over_ratio(&self, i: usize, ln_r: &[f64], r: &[f64]) -> f64 {
+                (**self).ln_weight_over_ratio(i, ln_r, r)
+            }
+            fn weight_over_density_batch(
+                &self,
+                i: usize,
+                q: &Densities<'_>,
+                r: &mut [f64],
+                out: &mut [f64],
+            ) {
+                (**self).weight_over_density_batch(i, q, r, out);
+            }
+            fn constant_weight(&self, i: usize, alpha: &[f64]) -> Option<f64> {
+                (**self).constant_weight(i, alpha)
+            }
+            fn check(&self, alpha: &[f64]) -> Result<(), ArgumentError> {
+                (**self).check(alpha)
+            }
+        }
+    )*};
+}
+forward!(['a] &'a W, [] Box<W>);
+
 /// Where the largest density has a reciprocal that is a normal number with room to spare.
 pub(crate) const SAFE: std::ops::Range<f64> = 1e-290..1e290;
 
