@@ -80,14 +80,7 @@ pub trait Weighting: Sync {
         r: &mut [f64],
         out: &mut [f64],
     ) {
-        for (j, out) in out.iter_mut().enumerate() {
-            let largest = q.ratios(j, r);
-            *out = if SAFE.contains(&largest) {
-                self.weight_over_ratio(i, r) / largest
-            } else {
-                f64::NAN
-            };
-        }
+        by_point(self, i, q, r, out);
     }
 
     /// w_i, if the weights are the same at every point. Only p_i is then evaluated.
@@ -137,6 +130,24 @@ macro_rules! forward {
     )*};
 }
 forward!(['a] &'a W, [] Box<W>);
+
+/// [`Weighting::weight_over_density_batch`], point by point.
+fn by_point<W: Weighting + ?Sized>(
+    weighting: &W,
+    i: usize,
+    q: &Densities<'_>,
+    r: &mut [f64],
+    out: &mut [f64],
+) {
+    for (j, out) in out.iter_mut().enumerate() {
+        let largest = q.ratios(j, r);
+        *out = if SAFE.contains(&largest) {
+            weighting.weight_over_ratio(i, r) / largest
+        } else {
+            f64::NAN
+        };
+    }
+}
 
 /// Where the largest density has a reciprocal that is a normal number with room to spare.
 pub(crate) const SAFE: std::ops::Range<f64> = 1e-290..1e290;
