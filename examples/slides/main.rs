@@ -87,9 +87,9 @@ fn variances() -> Result<(), Box<dyn Error>> {
     row("one-sample p_i / Σ p_k", 2.0 * balance, &one()?.equal_factors())?;
     row("one-sample power 2", 23.0 / 420.0, &one()?.weighting(Power::squared())?)?;
     println!(
-        "\n  measured: the variance of {ESTIMATES} estimates; reported: the mean of the variances\n  \
-         that the estimates report; z: distance in standard errors. Either pdf alone is worse than\n  \
-         the uniform one; balanced, the two are three times better than it at the same cost."
+        "\n  measured: the variance of {ESTIMATES} estimates; reported: the mean of the variances that the\n  \
+         estimates report; z: distance in standard errors. Sample for sample, either pdf alone (0.083)\n  \
+         is worse than the uniform one (0.058), and both together, balanced (2 x 0.020), are better."
     );
     Ok(())
 }

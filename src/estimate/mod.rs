@@ -124,7 +124,9 @@ impl<V: Value> Estimate<V> {
     /// The degrees of freedom are N - 1 (one-sample) or those of Welch and Satterthwaite,
     /// V² / Σ v_i² / (n_i - 1) for V = Σ v_i (multi-sample). The interval holds its level where
     /// the mean of contributions is close to normal; strongly skewed contributions need many
-    /// samples for that.
+    /// samples for that. Where a technique with two or three samples dominates the variance, even
+    /// these degrees of freedom are too many: from normal contributions with n = (2, 1000), 95 %
+    /// intervals cover 92 %.
     ///
     /// Source: F. E. Satterthwaite, *An Approximate Distribution of Estimates of Variance
     /// Components*, 1946, doi:10.2307/3002019.
