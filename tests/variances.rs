@@ -301,11 +301,7 @@ fn sine_cosine() -> Example {
         f: |x| x.sin() * x.cos(),
         mean: 0.5,
         domain: quarter,
-        techniques: vec![
-            boxed(cosine),
-            boxed(sine),
-            boxed(Uniform::new(0.0, FRAC_PI_2).unwrap()),
-        ],
+        techniques: vec![boxed(cosine), boxed(sine), boxed(Uniform::new(0.0, FRAC_PI_2).unwrap())],
     }
 }
 
@@ -357,10 +353,7 @@ fn root() -> Example {
         f: |x| x.sqrt().recip(),
         mean: 2.0,
         domain: [0.0, 1.0],
-        techniques: vec![
-            boxed(Uniform::unit()),
-            boxed(PowerLaw::new(-0.5, 0.0, 1.0).unwrap()),
-        ],
+        techniques: vec![boxed(Uniform::unit()), boxed(PowerLaw::new(-0.5, 0.0, 1.0).unwrap())],
     }
 }
 
@@ -522,7 +515,13 @@ fn three_term_rows(example: &Example, printed: [&'static str; 8]) -> Vec<Row> {
 
 fn example_d_rows(example: &Example) -> Vec<Row> {
     let printed = [
-        "4.09963", "35.32784", "3.67335504", "3.562557", "8.425688", "54.91406", "13.35398",
+        "4.09963",
+        "35.32784",
+        "3.67335504",
+        "3.562557",
+        "8.425688",
+        "54.91406",
+        "13.35398",
         "2.03733542",
     ];
     three_term_rows(example, printed)
@@ -530,7 +529,13 @@ fn example_d_rows(example: &Example) -> Vec<Row> {
 
 fn example_e_rows(example: &Example) -> Vec<Row> {
     let printed = [
-        "4.09963", "7857.943", "4.09749292", "93.36625", "615.6835", "5176.414", "349.6339",
+        "4.09963",
+        "7857.943",
+        "4.09749292",
+        "93.36625",
+        "615.6835",
+        "5176.414",
+        "349.6339",
         "3.97554919",
     ];
     three_term_rows(example, printed)
