@@ -1,4 +1,5 @@
 //! Intervals cover at their level, with Welch's degrees of freedom; shares add up.
+#![allow(clippy::unwrap_used)] // also in what the tests share
 
 #[allow(dead_code)] // every test binary uses its own part of it
 #[path = "common/ensemble.rs"]
