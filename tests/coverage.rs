@@ -13,7 +13,7 @@ use mis::{Estimate, Estimator, MultiSample, OneSample};
 
 const LEVELS: [f64; 3] = [0.6827, 0.95, 0.99];
 
-const QUICK: u64 = 1000;
+const QUICK: u64 = 2000;
 const FULL: u64 = 10_000;
 
 /// The share of the seeds whose interval holds the integral is `expected` at each level.
@@ -88,7 +88,7 @@ fn intervals_cover_at_their_level() {
 }
 
 #[test]
-#[ignore = "half a minute in release"]
+#[ignore = "seconds in release"]
 fn intervals_cover_at_their_level_with_full_ensembles() {
     well_behaved(FULL);
 }
@@ -122,7 +122,7 @@ fn few_samples_widen_the_interval() {
 }
 
 #[test]
-#[ignore = "half a minute in release"]
+#[ignore = "seconds in release"]
 fn few_samples_widen_the_interval_with_full_ensembles() {
     normal_contributions(FULL);
 }
