@@ -27,6 +27,8 @@ pub(crate) enum Model {
     Multi(Vec<usize>),
     /// One sample of one technique, chosen with these probabilities.
     One(Vec<f64>),
+    /// The same, with weights made of the densities without the probabilities.
+    EqualFactors(Vec<f64>),
 }
 
 /// Exact moments of an estimate.
@@ -59,6 +61,7 @@ impl Example {
         let factor = |k: usize| match model {
             Model::Multi(which) => f64::from(which.contains(&k)),
             Model::One(p) => p[k],
+            Model::EqualFactors(p) => f64::from(p[k] > 0.0),
         };
         let scaled = |(k, t): (usize, &Technique1)| {
             let a = factor(k);
@@ -111,8 +114,13 @@ impl Example {
                 let q = self.densities(model, x);
                 let Some(w) = weights(&weighting, &q) else { continue };
                 for i in (0..techniques).filter(|i| q[*i] > 0.0 && w[*i] > 0.0) {
-                    let y = w[i] * (self.f)(x) / q[i];
-                    let mut term = width * q[i];
+                    // The density of sampling technique i, at x.
+                    let density = match model {
+                        Model::EqualFactors(p) => p[i] * q[i],
+                        _ => q[i],
+                    };
+                    let y = w[i] * (self.f)(x) / density;
+                    let mut term = width * density;
                     for m in &mut moments[i] {
                         *m += term;
                         term *= y;
@@ -135,7 +143,7 @@ impl Example {
                 let of_estimates = of_reports + 2.0 * (variance * variance - squares);
                 Exact { mean, variance, of_estimates, of_reports }
             }
-            Model::One(_) => {
+            Model::One(_) | Model::EqualFactors(_) => {
                 let mut all = [0.0; 5];
                 for m in &moments {
                     for (sum, m) in all.iter_mut().zip(m) {
@@ -172,10 +180,12 @@ impl Example {
                 let mis = MultiSample::new(&given).unwrap().weighting(weighting).unwrap();
                 mis.inspect(&f, &points, inspect)
             }
-            Model::One(p) => {
+            Model::One(p) | Model::EqualFactors(p) => {
                 let given: Vec<(&dyn Technique<Point = f64>, f64)> =
                     self.techniques.iter().map(|t| &**t).zip(p.iter().copied()).collect();
                 let mis = OneSample::new(&given, n).unwrap().weighting(weighting).unwrap();
+                let equal = matches!(model, Model::EqualFactors(_));
+                let mis = if equal { mis.equal_factors() } else { mis };
                 mis.inspect(&f, &points, inspect)
             }
         }
@@ -227,6 +237,7 @@ impl Model {
         match self {
             Model::Multi(which) => format!("n = 1 of {which:?}"),
             Model::One(p) => format!("one sample, P = {p:.3?}"),
+            Model::EqualFactors(p) => format!("one sample, equal factors, P = {p:.3?}"),
         }
     }
 }

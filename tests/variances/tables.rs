@@ -22,6 +22,10 @@ fn one(probabilities: &[f64], weighting: Any, printed: &'static str) -> Row {
     Row(Model::One(probabilities.to_vec()), weighting, printed)
 }
 
+fn equal_factors(probabilities: &[f64], weighting: Any, printed: &'static str) -> Row {
+    Row(Model::EqualFactors(probabilities.to_vec()), weighting, printed)
+}
+
 /// Asserts that `value` rounds to the printed digits.
 fn assert_printed(value: f64, printed: &str, name: &str) {
     let decimals = printed.split_once('.').map_or(0, |(_, digits)| digits.len());
@@ -46,6 +50,7 @@ fn check(example: &Example, rows: &[Row], limits: Limits) {
 fn sine_cosine_rows() -> Vec<Row> {
     let both = |weighting, printed| all(2, weighting, printed);
     let half = [0.5, 0.5, 0.0];
+    let uneven = [0.25, 0.75, 0.0];
     vec![
         single(0, "0.0833333333"),
         single(1, "0.0833333333"),
@@ -63,6 +68,12 @@ fn sine_cosine_rows() -> Vec<Row> {
         both(Any::cutoff(0.75), "0.0680040580"),
         one(&half, Any::balance(), "0.0398919068"),
         one(&half, Any::power(2.0), "0.0547619048"),
+        // Unequal probabilities cost less if the weights know them.
+        one(&uneven, Any::balance(), "0.0476264861"),
+        one(&uneven, Any::power(2.0), "0.0731206399"),
+        equal_factors(&half, Any::balance(), "0.0398919068"),
+        equal_factors(&uneven, Any::balance(), "0.1365225424"),
+        equal_factors(&uneven, Any::power(2.0), "0.1563492063"),
     ]
 }
 
