@@ -7,7 +7,7 @@ use mis::points::Replay;
 use mis::weighting::{Balance, Constant, Cutoff, Maximum, Power, Weighting, weights};
 use mis::{EstimateError, Estimator, MultiSample, OnFault, OneSample, Technique};
 use proptest::prelude::*;
-use proptest::test_runner::FileFailurePersistence;
+use proptest::test_runner::RngSeed;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Dxsm;
 
@@ -321,7 +321,9 @@ fn a_boxed_weighting_is_the_weighting() {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        failure_persistence: Some(Box::new(FileFailurePersistence::Off)),
+        cases: 2000,
+        rng_seed: RngSeed::Fixed(1),
+        failure_persistence: None,
         ..ProptestConfig::default()
     })]
 

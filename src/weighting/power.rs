@@ -51,8 +51,8 @@ impl Power {
 
 impl Weighting for Power {
     fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64 {
-        // With β < 1 even a ratio that underflowed may have weight.
-        if self.beta < 1.0 && r.contains(&0.0) {
+        // With β < 1 even a ratio that underflowed, wholly or in part, may have weight.
+        if self.beta < 1.0 && r.iter().any(|r| *r < f64::MIN_POSITIVE) {
             return f64::NAN;
         }
         let sum = r.iter().map(|r| self.power(*r)).sum::<f64>();
