@@ -3,18 +3,14 @@
 use std::fmt::Debug;
 use std::slice::ChunksExact;
 
-use super::Dyn;
 use super::sample::{OnFault, Sample};
+use super::{BLOCK, Dyn};
 use crate::error::{EstimateError, Fault};
 use crate::estimate::Counts;
 use crate::integrand::{Integrand, Value};
 use crate::lanes;
 use crate::moments::{Accumulator, Moments};
 use crate::weighting::{Densities, SAFE, Weighting};
-
-/// Samples per block: the buffers of a few techniques fit the first-level cache, and a virtual
-/// call per block costs nothing.
-pub(super) const BLOCK: usize = 512;
 
 /// What all samples of an estimate have in common.
 pub(super) struct Kernel<'a, P, W> {

@@ -67,6 +67,10 @@ pub trait Estimator<P: Debug> {
     }
 }
 
+/// Samples per block: the buffers of a few techniques fit the first-level cache, and a virtual
+/// call per block costs nothing.
+const BLOCK: usize = 512;
+
 /// A technique behind a reference.
 type Dyn<'a, P> = &'a dyn Technique<Point = P>;
 

@@ -2,9 +2,9 @@
 
 use std::fmt::Debug;
 
-use super::kernel::{BLOCK, Kernel};
+use super::kernel::Kernel;
 use super::sample::{OnFault, Sample};
-use super::{Dyn, Estimator, check_techniques};
+use super::{BLOCK, Dyn, Estimator, check_techniques};
 use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::{Design, Estimate};
 use crate::integrand::Integrand;

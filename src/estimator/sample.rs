@@ -1,6 +1,6 @@
 //! Samples as an estimator shows them, and what becomes of the unusable ones.
 
-use super::kernel::BLOCK;
+use super::BLOCK;
 use crate::integrand::Value;
 
 /// What to do with a sample that has no usable contribution: the integrand is not finite, the
