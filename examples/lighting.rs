@@ -123,7 +123,7 @@ fn table<B: Bsdf<Value = f64>>(
     let power = multi(&all)?.weighting(Power::squared())?;
     let cutoff = multi(&all)?.weighting(Cutoff::new(0.1)?)?;
     let maximum = multi(&all)?.weighting(Maximum)?;
-    let (veach, slides) = (one()?, one()?.equal_factors());
+    let (veach, slides) = (one()?, one()?.weights_without_probabilities());
     let f = &f;
     let rows: [(&str, Run<'_>); 9] = [
         ("lights only", Box::new(move |seed| only_lights.estimate(f, seed))),

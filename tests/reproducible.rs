@@ -38,7 +38,7 @@ fn golden_values() {
         multi().weighting(Maximum).unwrap().estimate(&f, 1),
         multi().weighting(Constant::equal()).unwrap().estimate(&f, 1),
         one().estimate(&f, 1),
-        one().equal_factors().estimate(&f, 1),
+        one().weights_without_probabilities().estimate(&f, 1),
     ];
     let golden: [[u64; 2]; 8] = [
         [0x3feb_da75_2ec5_abc0, 0x3f80_01a1_91cc_20fe],

@@ -236,7 +236,7 @@ fn a_technique_without_samples_is_invisible() {
     assert_eq!(equal.estimate(&f, 1).unwrap().value(), 2.0);
     let one = OneSample::new(&[(&visible, 1.0), (&Invisible, 0.0)], 5).unwrap();
     assert_eq!(one.estimate(&f, 1).unwrap().value(), 2.0);
-    assert_eq!(one.equal_factors().estimate(&f, 1).unwrap().value(), 2.0);
+    assert_eq!(one.weights_without_probabilities().estimate(&f, 1).unwrap().value(), 2.0);
 }
 
 /// Constant weights need no other pdf: the other technique's panics if asked at a foreign point.

@@ -84,7 +84,7 @@ fn variances() -> Result<(), Box<dyn Error>> {
     row("cutoff 0.75", 0.068_004_058_0, &both()?.weighting(Cutoff::new(0.75)?)?)?;
     row("maximum", SQRT_2 / 6.0 - 0.125, &both()?.weighting(Maximum)?)?;
     row("one-sample balance", 2.0 * balance, &one()?)?;
-    row("one-sample p_i / Σ p_k", 2.0 * balance, &one()?.equal_factors())?;
+    row("one-sample p_i / Σ p_k", 2.0 * balance, &one()?.weights_without_probabilities())?;
     row("one-sample power 2", 23.0 / 420.0, &one()?.weighting(Power::squared())?)?;
     println!(
         "\n  measured: the variance of {ESTIMATES} estimates; reported: the mean of the variances that the\n  \

@@ -20,8 +20,8 @@ use crate::weighting::{Balance, Weighting};
 /// to draw, so its row of canonical numbers has 1 + the largest dimension.
 ///
 /// By default the weights are made of the densities q_k = P_k p_k. The balance heuristic is then
-/// w_i = P_i p_i / Σ P_k p_k, and no other weights have a lower variance. With
-/// [`equal_factors`](OneSample::equal_factors) they are made of p_k alone.
+/// w_i = P_i p_i / Σ P_k p_k, and no other weights have a lower variance. They can be
+/// [made of p_k alone](OneSample::weights_without_probabilities).
 ///
 /// Use it where one sample at a time is wanted, or as many techniques as samples. Where all
 /// techniques can be given samples of their own, [`MultiSample`](crate::MultiSample) has the lower
@@ -116,7 +116,7 @@ impl<'a, P, W> OneSample<'a, P, W> {
     /// Unbiased as well, with a variance that is at least that of the default; equal to it if the
     /// probabilities are.
     #[must_use]
-    pub fn equal_factors(self) -> Self {
+    pub fn weights_without_probabilities(self) -> Self {
         let density_factors =
             self.probabilities.iter().map(|p| if *p > 0.0 { 1.0 } else { 0.0 }).collect();
         Self { density_factors, ..self }

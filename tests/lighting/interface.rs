@@ -97,7 +97,7 @@ fn one_sample_selects_a_strategy_for_each_sample() {
     let replay = Replay::new([xi]).unwrap();
     let set: [(&dyn Technique<Point = Direction>, f64); 2] =
         [(s.light(), prob_smp_light), (&lobe, 1.0 - prob_smp_light)];
-    let slides = OneSample::new(&set, 2000).unwrap().equal_factors();
+    let slides = OneSample::new(&set, 2000).unwrap().weights_without_probabilities();
     let estimate = slides.estimate_from(&f, &replay).unwrap();
     assert_close(estimate.value(), by_hand / 2000.0, 1e-13);
     // Veach's weights, of the same samples, estimate the same.

@@ -104,8 +104,8 @@ impl Battery {
             let one =
                 || OneSample::new(&shares, size.samples).unwrap().weighting(weighting).unwrap();
             self.ensemble(size, case, &format!("one-sample, {}", weighting.0), &one());
-            let equal = one().equal_factors();
-            self.ensemble(size, case, &format!("equal factors, {}", weighting.0), &equal);
+            let equal = one().weights_without_probabilities();
+            self.ensemble(size, case, &format!("without probabilities, {}", weighting.0), &equal);
         }
     }
 

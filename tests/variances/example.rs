@@ -28,7 +28,7 @@ pub(crate) enum Model {
     /// One sample of one technique, chosen with these probabilities.
     One(Vec<f64>),
     /// The same, with weights made of the densities without the probabilities.
-    EqualFactors(Vec<f64>),
+    WithoutProbabilities(Vec<f64>),
 }
 
 /// Exact moments of an estimate.
@@ -61,7 +61,7 @@ impl Example {
         let factor = |k: usize| match model {
             Model::Multi(which) => f64::from(which.contains(&k)),
             Model::One(p) => p[k],
-            Model::EqualFactors(p) => f64::from(p[k] > 0.0),
+            Model::WithoutProbabilities(p) => f64::from(p[k] > 0.0),
         };
         let scaled = |(k, t): (usize, &Technique1)| {
             let a = factor(k);
@@ -116,7 +116,7 @@ impl Example {
                 for i in (0..techniques).filter(|i| q[*i] > 0.0 && w[*i] > 0.0) {
                     // The density of sampling technique i, at x.
                     let density = match model {
-                        Model::EqualFactors(p) => p[i] * q[i],
+                        Model::WithoutProbabilities(p) => p[i] * q[i],
                         _ => q[i],
                     };
                     let y = w[i] * (self.f)(x) / density;
@@ -143,7 +143,7 @@ impl Example {
                 let of_estimates = of_reports + 2.0 * (variance * variance - squares);
                 Exact { mean, variance, of_estimates, of_reports }
             }
-            Model::One(_) | Model::EqualFactors(_) => {
+            Model::One(_) | Model::WithoutProbabilities(_) => {
                 let mut all = [0.0; 5];
                 for m in &moments {
                     for (sum, m) in all.iter_mut().zip(m) {
@@ -180,12 +180,12 @@ impl Example {
                 let mis = MultiSample::new(&given).unwrap().weighting(weighting).unwrap();
                 mis.inspect(&f, &points, inspect)
             }
-            Model::One(p) | Model::EqualFactors(p) => {
+            Model::One(p) | Model::WithoutProbabilities(p) => {
                 let given: Vec<(&dyn Technique<Point = f64>, f64)> =
                     self.techniques.iter().map(|t| &**t).zip(p.iter().copied()).collect();
                 let mis = OneSample::new(&given, n).unwrap().weighting(weighting).unwrap();
-                let equal = matches!(model, Model::EqualFactors(_));
-                let mis = if equal { mis.equal_factors() } else { mis };
+                let equal = matches!(model, Model::WithoutProbabilities(_));
+                let mis = if equal { mis.weights_without_probabilities() } else { mis };
                 mis.inspect(&f, &points, inspect)
             }
         }
@@ -237,7 +237,9 @@ impl Model {
         match self {
             Model::Multi(which) => format!("n = 1 of {which:?}"),
             Model::One(p) => format!("one sample, P = {p:.3?}"),
-            Model::EqualFactors(p) => format!("one sample, equal factors, P = {p:.3?}"),
+            Model::WithoutProbabilities(p) => {
+                format!("one sample, weights without probabilities, P = {p:.3?}")
+            }
         }
     }
 }

@@ -22,8 +22,12 @@ fn one(probabilities: &[f64], weighting: Any, printed: &'static str) -> Row {
     Row(Model::One(probabilities.to_vec()), weighting, printed)
 }
 
-fn equal_factors(probabilities: &[f64], weighting: Any, printed: &'static str) -> Row {
-    Row(Model::EqualFactors(probabilities.to_vec()), weighting, printed)
+fn weights_without_probabilities(
+    probabilities: &[f64],
+    weighting: Any,
+    printed: &'static str,
+) -> Row {
+    Row(Model::WithoutProbabilities(probabilities.to_vec()), weighting, printed)
 }
 
 /// Asserts that `value` rounds to the printed digits.
@@ -71,9 +75,9 @@ fn sine_cosine_rows() -> Vec<Row> {
         // Unequal probabilities cost less if the weights know them.
         one(&uneven, Any::balance(), "0.0476264861"),
         one(&uneven, Any::power(2.0), "0.0731206399"),
-        equal_factors(&half, Any::balance(), "0.0398919068"),
-        equal_factors(&uneven, Any::balance(), "0.1365225424"),
-        equal_factors(&uneven, Any::power(2.0), "0.1563492063"),
+        weights_without_probabilities(&half, Any::balance(), "0.0398919068"),
+        weights_without_probabilities(&uneven, Any::balance(), "0.1365225424"),
+        weights_without_probabilities(&uneven, Any::power(2.0), "0.1563492063"),
     ]
 }
 
