@@ -81,7 +81,7 @@ pub enum EstimateError {
         technique: usize,
         /// The sample's index.
         sample: u64,
-        /// The point, as `Debug` prints it.
+        /// The point, as `Debug` prints it, cut after 300 characters.
         point: String,
         /// The value, as `Debug` prints it.
         value: String,
@@ -98,7 +98,7 @@ pub enum EstimateError {
         sampled_by: usize,
         /// The sample's index.
         sample: u64,
-        /// The point, as `Debug` prints it.
+        /// The point, as `Debug` prints it, cut after 300 characters.
         point: String,
         /// The pdf.
         pdf: f64,
@@ -113,12 +113,12 @@ pub enum EstimateError {
         technique: usize,
         /// The sample's index.
         sample: u64,
-        /// The point, as `Debug` prints it.
+        /// The point, as `Debug` prints it, cut after 300 characters.
         point: String,
         /// The contribution, times the number of samples.
         contribution: f64,
     },
-    /// A technique made fewer points than it was given canonical numbers for.
+    /// A technique made fewer or more points than it was given canonical numbers for.
     #[error(
         "`sample_batch` of technique {technique} made {sampled} points from numbers for {asked}; \
          it must make one for each row"
@@ -146,7 +146,12 @@ pub(crate) enum Fault {
 
 impl EstimateError {
     pub(crate) fn new(technique: usize, sample: u64, x: &impl Debug, fault: Fault) -> Self {
-        let point = format!("{x:?}");
+        let mut point = format!("{x:?}");
+        // A point may have thousands of coordinates.
+        if let Some((end, _)) = point.char_indices().nth(300) {
+            point.truncate(end);
+            point.push('…');
+        }
         match fault {
             Fault::Value(value) => Self::Value { technique, sample, point, value },
             Fault::Density { of, pdf } => {

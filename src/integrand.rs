@@ -54,7 +54,7 @@ pub trait Value: Clone + Debug {
     /// One `U` a component: `U` for a scalar, `[U; K]` for an array.
     type Each<U>;
 
-    /// Collects what `of` says of each component, called in order.
+    /// Collects what `of` says of the components 0, 1, … up to `COMPONENTS` - 1, called in that order.
     fn each<U>(of: impl FnMut(usize) -> U) -> Self::Each<U>;
 
     /// The value 0.

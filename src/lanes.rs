@@ -18,17 +18,18 @@ fn fold(xs: &[f64], start: f64, step: impl Fn(f64, f64) -> f64) -> [f64; LANES] 
     lanes
 }
 
-/// Σ d and Σ d², with d = x - `shift`; lanes added pairwise.
+/// Σ d and Σ d², with d = (x - origin) · unit computed as x · unit - origin · unit; lanes are added
+/// pairwise.
 #[inline]
-pub(crate) fn sum_and_squares(xs: &[f64], shift: f64) -> (f64, f64) {
+pub(crate) fn sum_and_squares(xs: &[f64], origin: f64, unit: f64) -> (f64, f64) {
+    let shift = origin * unit;
     let (mut sum, mut squares) = ([0.0; LANES], [0.0; LANES]);
     let (chunks, rest) = xs.as_chunks::<LANES>();
-    // Lanes without an element count as one that adds nothing.
-    let mut last = [shift; LANES];
+    let mut last = [origin; LANES];
     last.iter_mut().zip(rest).for_each(|(last, x)| *last = *x);
     for chunk in chunks.iter().chain([&last]) {
         for ((sum, squares), x) in sum.iter_mut().zip(&mut squares).zip(chunk) {
-            let d = x - shift;
+            let d = x * unit - shift;
             *sum += d;
             *squares += d * d;
         }
@@ -38,42 +39,23 @@ pub(crate) fn sum_and_squares(xs: &[f64], shift: f64) -> (f64, f64) {
     (pairwise(sum), pairwise(squares))
 }
 
-/// The largest magnitude of those that are not NaN, or NaN; 0 for an empty slice.
-#[inline]
-pub(crate) fn largest_magnitude(xs: &[f64]) -> f64 {
-    let lanes = fold(xs, 0.0, |most, x| if most > x.abs() { most } else { x.abs() });
-    lanes.into_iter().fold(0.0, f64::max)
-}
-
-/// The least element of those that are not NaN, or NaN; infinite for an empty slice.
+/// The least element; infinite for an empty slice. NaN may or may not be passed over.
 #[inline]
 pub(crate) fn least(xs: &[f64]) -> f64 {
     let lanes = fold(xs, f64::INFINITY, |least, x| if least < x { least } else { x });
     lanes.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// The least and the greatest element of those that are not NaN, or NaN.
+/// The largest magnitude; 0 for an empty slice. NaN may or may not be passed over.
 #[inline]
-pub(crate) fn bounds(xs: &[f64]) -> (f64, f64) {
-    let mut least = [f64::INFINITY; LANES];
-    let mut greatest = [f64::NEG_INFINITY; LANES];
-    let mut chunks = xs.chunks_exact(LANES);
-    for chunk in &mut chunks {
-        for ((least, greatest), x) in least.iter_mut().zip(&mut greatest).zip(chunk) {
-            *least = if *least < *x { *least } else { *x };
-            *greatest = if *greatest > *x { *greatest } else { *x };
-        }
-    }
-    let rest = chunks.remainder().iter().copied();
-    (
-        least.into_iter().chain(rest.clone()).fold(f64::INFINITY, f64::min),
-        greatest.into_iter().chain(rest).fold(f64::NEG_INFINITY, f64::max),
-    )
+pub(crate) fn largest_magnitude(xs: &[f64]) -> f64 {
+    let lanes = fold(xs, 0.0, |most, x| if most > x.abs() { most } else { x.abs() });
+    lanes.into_iter().fold(0.0, f64::max)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{bounds, largest_magnitude, least, sum_and_squares};
+    use super::{largest_magnitude, least, sum_and_squares};
 
     #[test]
     fn every_element_counts_at_every_length() {
@@ -81,9 +63,9 @@ mod tests {
             let xs: Vec<f64> = (0..n).map(f64::from).collect();
             let exact = f64::from(n * (n - 1)) / 2.0;
             let squares = f64::from(n * (n - 1) * (2 * n - 1)) / 6.0;
-            assert_eq!(sum_and_squares(&xs, 0.0), (exact, squares));
+            assert_eq!(sum_and_squares(&xs, 0.0, 1.0), (exact, squares));
             let shifted = (exact - f64::from(n), squares - 2.0 * exact + f64::from(n));
-            assert_eq!(sum_and_squares(&xs, 1.0), shifted);
+            assert_eq!(sum_and_squares(&xs, 1.0, 1.0), shifted);
             for at in 0..xs.len() {
                 let with = |x: f64| {
                     let mut xs = xs.clone();
@@ -92,8 +74,6 @@ mod tests {
                 };
                 assert_eq!(least(&with(-1.0)), -1.0);
                 assert_eq!(largest_magnitude(&with(-100.0)), 100.0);
-                assert_eq!(bounds(&with(-1.0)).0, -1.0);
-                assert_eq!(bounds(&with(100.0)).1, 100.0);
             }
             assert_eq!(least(&xs), 0.0);
         }

@@ -35,17 +35,10 @@ impl Moments {
             libm::frexp(largest).1.clamp(-1020, 1020)
         };
         let unit = libm::ldexp(1.0, -exponent);
-        let scaled: Vec<f64>;
-        let in_unit = if exponent == 0 {
-            ys
-        } else {
-            scaled = ys.iter().map(|y| y * unit).collect();
-            &scaled
-        };
-        let Some(first) = in_unit.first() else { return Self::default() };
+        let Some(origin) = ys.first().copied() else { return Self::default() };
         let n = ys.len() as f64;
-        let (sum, squares) = lanes::sum_and_squares(in_unit, *first);
-        let mean = (first + sum / n) / unit;
+        let (sum, squares) = lanes::sum_and_squares(ys, origin, unit);
+        let mean = (origin * unit + sum / n) / unit;
         let m2 = squares - sum * sum / n;
         Self { count: ys.len() as u64, mean, m2, exponent, largest }
     }
@@ -93,10 +86,11 @@ impl Moments {
         Some(libm::ldexp((self.m2 / (n - 1.0) / n).sqrt(), self.exponent))
     }
 
-    /// √(Σ (y - m)²), the root of the squared deviations from a given m.
-    pub(crate) fn deviation_from(&self, m: f64) -> f64 {
-        let own = libm::ldexp(self.m2.sqrt(), self.exponent);
-        own.hypot((self.count as f64).sqrt() * (self.mean - m))
+    /// √(Σ (y - m)²) / `divisor`, from the squared deviations from a given m.
+    pub(crate) fn deviation_from(&self, m: f64, divisor: f64) -> f64 {
+        // Divided first: the root alone may overflow.
+        let own = libm::ldexp(self.m2.sqrt() / divisor, self.exponent);
+        own.hypot((self.count as f64).sqrt() / divisor * (self.mean - m))
     }
 }
 
@@ -211,6 +205,17 @@ mod tests {
         let exact = (6.0_f64 / 3.0 / 4.0).sqrt() * 1e-200;
         assert!((merged.standard_error().unwrap() / exact - 1.0).abs() < 1e-14);
         assert_eq!(tiny.merge(of(&[0.0])).count, 3);
+    }
+
+    #[test]
+    fn scales_far_apart_merge_in_the_larger_unit() {
+        let exact = (6.0_f64 / 3.0 / 4.0).sqrt() * 1e200; // (0, 0, 1, 3)
+        for m in [
+            of(&[1e-200, 3e-200]).merge(of(&[1e200, 3e200])),
+            of(&[1e200, 3e200]).merge(of(&[1e-200, 3e-200])),
+        ] {
+            assert!((m.standard_error().unwrap() / exact - 1.0).abs() < 1e-14);
+        }
     }
 
     #[test]

@@ -4,8 +4,8 @@
 
 use mis::points::Replay;
 use mis::technique::{
-    Cauchy, Exponential, Linear, Normal, PiecewiseConstant, PowerLaw, ProductVec, TruncatedNormal,
-    Uniform,
+    Cauchy, Exponential, Linear, Mixture, Normal, PiecewiseConstant, PowerLaw, ProductVec,
+    TruncatedNormal, Uniform,
 };
 use mis::weighting::{Constant, Cutoff, Power};
 use mis::{ArgumentError, EstimateError, Estimator, MultiSample, OneSample, Technique};
@@ -119,12 +119,12 @@ fn dimensions_that_do_not_match() {
 }
 
 #[test]
-fn a_technique_that_uses_no_numbers() {
-    struct Nothing;
-    impl Technique for Nothing {
+fn a_technique_that_uses_no_numbers_or_too_many() {
+    struct Using(usize);
+    impl Technique for Using {
         type Point = f64;
         fn dimension(&self) -> usize {
-            0
+            self.0
         }
         fn sample(&self, _: &[f64]) -> f64 {
             0.0
@@ -133,12 +133,14 @@ fn a_technique_that_uses_no_numbers() {
             1.0
         }
     }
-    assert_names(
-        MultiSample::new(&[(&Nothing, 1)]),
-        "MultiSample",
-        "techniques[0].dimension()",
-        "0",
-    );
+    for (numbers, text) in [(0, "0"), (1 << 55, "36028797018963968")] {
+        let p = Using(numbers);
+        let argument = "techniques[0].dimension()";
+        assert_names(MultiSample::new(&[(&p, 1)]), "MultiSample", argument, text);
+        assert_names(OneSample::new(&[(&p, 1.0)], 1), "OneSample", argument, text);
+    }
+    let widest = Mixture::new(vec![(Using(usize::MAX), 1.0)]).unwrap();
+    assert!(MultiSample::new(&[(&widest, 1)]).is_err());
 }
 
 #[test]
@@ -169,4 +171,7 @@ fn a_level_that_is_none() {
         assert_names(estimate.interval(level), "Estimate::interval", "level", value);
     }
     assert!(estimate.interval(1.0 - 1e-16).is_ok());
+    let constant = MultiSample::new(&[(&p, 10)]).unwrap().estimate(&|_: &f64| 2.0, 1).unwrap();
+    let interval = constant.interval(1.0 - 1e-16).unwrap();
+    assert_eq!((interval.lower, interval.upper), (2.0, 2.0));
 }

@@ -73,6 +73,14 @@ fn densities_that_underflow_are_weighted_through_logarithms() {
 }
 
 #[test]
+fn a_density_that_overflows_is_weighted_through_logarithms() {
+    let p = ProductVec::new(vec![Uniform::new(0.0, 0.1).unwrap(); 1000]).unwrap();
+    let f = |x: &Vec<f64>| LnValue::positive(p.ln_pdf(x));
+    let e = MultiSample::new(&[(&p, 20)]).unwrap().estimate(&f, 1).unwrap();
+    assert!((e.value() - 1.0).abs() < 1e-11);
+}
+
+#[test]
 fn a_density_that_overflows_with_the_integrand_is_no_harm() {
     // p = 1e300 and f = 1e300 p on a tiny interval; f / p is representable.
     let needle = uniform(0.0, 1e-300);
@@ -130,6 +138,11 @@ fn the_error_survives_scales_whose_squares_do_not() {
             assert!((a / b - 1.0).abs() < 1e-10);
         }
     }
+    // Where the sum of squares alone would overflow.
+    let large = OneSample::new(&[(&p, 1.0)], 100_000).unwrap();
+    let large = large.estimate(&|x: &f64| 1e306 * (2.0 * x - 1.0), 1).unwrap();
+    let exact = 1e306 / 3e5_f64.sqrt();
+    assert!((large.standard_error().unwrap() / exact - 1.0).abs() < 0.02, "{large}");
     let one = OneSample::new(&[(&p, 0.5), (&p, 0.5)], 1000).unwrap();
     let unit = one.estimate(&|x: &f64| *x, 1).unwrap().standard_error().unwrap();
     let large = one.estimate(&|x: &f64| 1e200 * x, 1).unwrap().standard_error().unwrap();

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use mis::points::Replay;
-use mis::technique::{Normal, Uniform, canonical};
+use mis::technique::{Normal, ProductVec, Uniform, canonical};
 use mis::weighting::{Constant, Maximum};
 use mis::{
     EstimateError, Estimator, Integrand, LnValue, MultiSample, OnFault, OneSample, Technique,
@@ -152,4 +152,58 @@ fn a_short_batch_is_an_error() {
     let expected = EstimateError::Batch { technique: 0, asked: 3, sampled: 2 };
     assert_eq!(error, expected);
     assert!(error.to_string().contains("made 2 points from numbers for 3"), "{error}");
+}
+
+#[test]
+fn a_batch_that_is_appended_is_an_error() {
+    struct Appends;
+    impl Technique for Appends {
+        type Point = f64;
+        fn dimension(&self) -> usize {
+            1
+        }
+        fn sample(&self, xi: &[f64]) -> f64 {
+            canonical(xi, 0)
+        }
+        fn pdf(&self, _: &f64) -> f64 {
+            1.0
+        }
+        fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+            xs.extend_from_slice(xi);
+        }
+    }
+    let mis = MultiSample::new(&[(&Appends, 5000)]).unwrap();
+    let error = mis.estimate(&|x: &f64| *x, 1).unwrap_err();
+    assert!(matches!(error, EstimateError::Batch { technique: 0, .. }), "{error}");
+}
+
+/// A pdf of 0 whose logarithm is NaN: a fault of the density, not of the contribution.
+#[test]
+fn a_logarithm_that_is_nan_is_a_fault_of_the_density() {
+    struct NoLogarithm;
+    impl Technique for NoLogarithm {
+        type Point = f64;
+        fn dimension(&self) -> usize {
+            1
+        }
+        fn sample(&self, xi: &[f64]) -> f64 {
+            canonical(xi, 0)
+        }
+        fn pdf(&self, _: &f64) -> f64 {
+            0.0
+        }
+        fn ln_pdf(&self, _: &f64) -> f64 {
+            f64::NAN
+        }
+    }
+    let error = fault(&NoLogarithm, &|_: &f64| 1.0);
+    assert!(matches!(error, EstimateError::Density { technique: 0, .. }), "{error}");
+}
+
+#[test]
+fn a_long_point_is_cut_in_the_message() {
+    let p = ProductVec::new(vec![uniform(0.0, 1.0); 1000]).unwrap();
+    let mis = MultiSample::new(&[(&p, 1)]).unwrap();
+    let error = mis.estimate(&|_: &Vec<f64>| f64::NAN, 1).unwrap_err();
+    assert!(error.to_string().len() < 500, "{error}");
 }

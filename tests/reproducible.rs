@@ -48,7 +48,7 @@ fn golden_values() {
         [0x3feb_a365_54a7_ae38, 0x3f8c_189c_5901_fa3f],
         [0x3fec_376a_a2b2_75b6, 0x3f8d_0738_7afe_f147],
         [0x3feb_8e12_70e7_1ed0, 0x3f7d_fb63_8394_0182],
-        [0x3feb_a2b6_781f_b25e, 0x3f86_2090_47cf_75cc],
+        [0x3feb_a2b6_781f_b25e, 0x3f86_2090_47cf_75cb],
     ];
     let found = estimates.map(|estimate| bits(&estimate.unwrap()));
     assert_eq!(found, golden, "{found:#x?}");

@@ -86,6 +86,10 @@ fn subnormal_densities_are_densities() {
     }
     assert_weights(Balance, &[5e-324, 5e-324], &[0.5, 0.5]);
     assert_weights(Maximum, &[5e-324, 5e-324], &[0.5, 0.5]);
+    assert_weights(Power::new(f64::INFINITY).unwrap(), &[5e-324, 5e-324], &[0.5, 0.5]);
+    // A ratio that is subnormal has lost digits, and its root would show it.
+    let w = 3e-308_f64.sqrt() / 1e15_f64.sqrt();
+    assert_weights(Power::new(0.5).unwrap(), &[1e15, 3e-308], &[1.0, w]);
     assert_weights(Constant::equal(), &[5e-324, 5e-324], &[0.5, 0.5]);
 }
 
@@ -105,6 +109,7 @@ fn an_infinite_density_takes_all_the_weight_and_several_share_it() {
         assert_eq!(weights(&Maximum, &q), Some(vec![1.0, 0.0]));
     }
     assert_eq!(weights(&Balance, &[inf, 1.0, inf]), Some(vec![0.5, 0.0, 0.5]));
+    assert_eq!(weights(&Power::new(0.5).unwrap(), &[inf, 1.0]), Some(vec![1.0, 0.0]));
 
     // At its own sample an infinite density is a breach; at another technique's it takes the
     // weight.

@@ -23,6 +23,7 @@ impl Interval {
     /// freedom.
     pub(super) fn student(value: f64, error: Option<(f64, f64)>, level: f64) -> Self {
         let half_width = match error {
+            Some((0.0, _)) => 0.0,
             Some((error, freedom)) => error * quantile(freedom, level),
             None => f64::INFINITY,
         };
@@ -32,8 +33,9 @@ impl Interval {
 
 /// The t with P(|T| ≤ t) = `level`.
 ///
-/// From 1000 degrees of freedom on, statrs loses digits (6e-5 relative at 1e6), and the expansion
-/// about the normal quantile z is exact to 1e-9: M. Abramowitz and I. A. Stegun, *Handbook of
+/// Accurate to 1e-9 relative for levels from 0.1 to 0.999999. From 1000 degrees of freedom on,
+/// statrs loses digits (6e-5 relative at 1e6), and an expansion about the normal quantile z takes
+/// over: M. Abramowitz and I. A. Stegun, *Handbook of
 /// Mathematical Functions*, 1964, formula 26.7.5.
 fn quantile(freedom: f64, level: f64) -> f64 {
     let u = 0.5 + 0.5 * level;

@@ -22,12 +22,15 @@ use crate::moments::{Accumulator, Extreme, Moments};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate<V = f64> {
     design: Design,
-    /// How many samples each technique drew.
+    /// How many samples each technique drew, and all together.
     samples: Vec<u64>,
+    total: u64,
     /// One for each component of each technique, a technique's side by side; of contributions
     /// times the number of all samples, so that the estimate is their mean.
     moments: Vec<Moments>,
     extremes: Vec<Extreme>,
+    /// Value and standard error of each component.
+    results: Vec<(f64, Option<f64>)>,
     counts: Counts,
     value: PhantomData<V>,
 }
@@ -87,9 +90,22 @@ impl<V: Value> Estimate<V> {
         contributions: &[Accumulator],
         counts: Counts,
     ) -> Self {
-        let moments = contributions.iter().map(Accumulator::total).collect();
-        let extremes = contributions.iter().map(|sum| sum.extreme).collect();
-        Self { design, samples, moments, extremes, counts, value: PhantomData }
+        let mut estimate = Self {
+            design,
+            total: samples.iter().sum(),
+            samples,
+            moments: contributions.iter().map(Accumulator::total).collect(),
+            extremes: contributions.iter().map(|sum| sum.extreme).collect(),
+            results: Vec::new(),
+            counts,
+            value: PhantomData,
+        };
+        for c in 0..V::COMPONENTS {
+            let techniques = 0..estimate.samples.len();
+            let value = techniques.map(|i| estimate.alpha(i) * estimate.of(i, c).mean).sum();
+            estimate.results.push((value, estimate.combined_error(c, value)));
+        }
+        estimate
     }
 
     /// The estimate of ∫ f.
@@ -148,7 +164,7 @@ impl<V: Value> Estimate<V> {
     /// How many samples were drawn in all.
     #[must_use]
     pub fn samples(&self) -> u64 {
-        self.samples.iter().sum()
+        self.total
     }
 
     /// What each technique did, in the order in which they were given.
@@ -162,7 +178,7 @@ impl<V: Value> Estimate<V> {
             }),
             share_of_variance: V::each(|c| {
                 let error = self.error_of(c).filter(|error| *error > 0.0)?;
-                Some((self.error_from(i, c) / error).powi(2))
+                Some((self.error_from(i, c, self.value_of(c)) / error).powi(2))
             }),
         })
     }
@@ -173,8 +189,9 @@ impl<V: Value> Estimate<V> {
         self.counts.zero
     }
 
-    /// How many samples were at points that, by its pdf, their own technique does not cover. They
-    /// count as 0; by default, one is an error instead (see [`OnFault`](crate::OnFault)).
+    /// How many samples were at points that, by its pdf, their own technique does not cover, or where
+    /// another fault of a pdf left no weight. They count as 0; by default, one is an error instead
+    /// (see [`OnFault`](crate::OnFault)).
     #[must_use]
     pub fn uncovered(&self) -> u64 {
         self.counts.uncovered
@@ -190,12 +207,11 @@ impl<V: Value> Estimate<V> {
     /// The contribution of the largest magnitude; `None` if all are 0.
     #[must_use]
     pub fn largest(&self) -> V::Each<Option<Largest>> {
-        let total = self.samples() as f64;
         V::each(|c| {
             let mut largest: Option<Largest> = None;
             for technique in 0..self.samples.len() {
                 let extreme = self.extremes[technique * V::COMPONENTS + c];
-                let contribution = extreme.y / total;
+                let contribution = extreme.y / self.total as f64;
                 if contribution.abs() > largest.map_or(0.0, |l| l.contribution.abs()) {
                     let value = self.value_of(c);
                     largest = Some(Largest {
@@ -217,22 +233,27 @@ impl<V: Value> Estimate<V> {
 
     /// n_i / N.
     fn alpha(&self, i: usize) -> f64 {
-        self.samples[i] as f64 / self.samples() as f64
+        self.samples[i] as f64 / self.total as f64
     }
 
     fn value_of(&self, c: usize) -> f64 {
-        (0..self.samples.len()).map(|i| self.alpha(i) * self.of(i, c).mean).sum()
+        self.results[c].0
     }
 
     fn error_of(&self, c: usize) -> Option<f64> {
+        self.results[c].1
+    }
+
+    /// The standard error of component `c`, whose value is `value`.
+    fn combined_error(&self, c: usize, value: f64) -> Option<f64> {
         let techniques = 0..self.samples.len();
         let known = match self.design {
             Design::Stratified => self.samples.iter().all(|n| *n != 1),
-            Design::Pooled => self.samples() > 1,
+            Design::Pooled => self.total > 1,
         };
         let signal = techniques.clone().any(|i| self.of(i, c).largest != 0.0);
         // Squares of the parts over the largest of them: no over- or underflow.
-        let parts = techniques.map(|i| self.error_from(i, c));
+        let parts = techniques.map(|i| self.error_from(i, c, value));
         let largest = parts.clone().fold(0.0, f64::max);
         if !(known && signal) {
             None
@@ -243,13 +264,13 @@ impl<V: Value> Estimate<V> {
         }
     }
 
-    /// Technique `i`'s part of the standard error; the parts add as squares.
-    fn error_from(&self, i: usize, c: usize) -> f64 {
+    /// Technique `i`'s part of the standard error of component `c`; the parts add as squares.
+    fn error_from(&self, i: usize, c: usize, value: f64) -> f64 {
         match self.design {
             Design::Stratified => self.alpha(i) * self.of(i, c).standard_error().unwrap_or(0.0),
             Design::Pooled => {
-                let n = self.samples() as f64;
-                self.of(i, c).deviation_from(self.value_of(c)) / (n * (n - 1.0)).sqrt()
+                let n = self.total as f64;
+                self.of(i, c).deviation_from(value, (n * (n - 1.0)).sqrt())
             }
         }
     }
@@ -258,10 +279,13 @@ impl<V: Value> Estimate<V> {
         match self.design {
             Design::Stratified if error > 0.0 => (0..self.samples.len())
                 .filter(|i| self.samples[*i] > 1)
-                .map(|i| (self.error_from(i, c) / error).powi(4) / (self.samples[i] - 1) as f64)
+                .map(|i| {
+                    let part = self.error_from(i, c, self.value_of(c)) / error;
+                    part.powi(4) / (self.samples[i] - 1) as f64
+                })
                 .sum::<f64>()
                 .recip(),
-            _ => (self.samples() - 1) as f64,
+            _ => (self.total - 1) as f64,
         }
     }
 }

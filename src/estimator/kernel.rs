@@ -3,8 +3,8 @@
 use std::fmt::Debug;
 use std::slice::ChunksExact;
 
+use super::Dyn;
 use super::sample::{OnFault, Sample};
-use super::{BLOCK, Dyn};
 use crate::error::{EstimateError, Fault};
 use crate::estimate::Counts;
 use crate::integrand::{Integrand, Value};
@@ -24,6 +24,8 @@ pub(super) struct Kernel<'a, P, W> {
     pub(super) on_fault: OnFault,
     /// N.
     pub(super) total: u64,
+    /// The most samples that a block has.
+    pub(super) block: usize,
 }
 
 /// Buffers, used again from block to block.
@@ -36,7 +38,7 @@ pub(super) struct Buffers<P, V> {
     pdfs: Vec<f64>,
     /// w_i / q_i, times a_i / α_i.
     factors: Vec<f64>,
-    /// A row of `BLOCK` contributions times N for each component.
+    /// A row of contributions times N for each component, as long as a block.
     y: Vec<f64>,
     /// The block's moments of each component.
     blocks: Vec<Moments>,
@@ -64,10 +66,10 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         let buffers = Buffers {
             xi: Vec::new(),
             xs: Vec::new(),
-            values: vec![V::zero(); BLOCK],
-            pdfs: vec![0.0; BLOCK * techniques],
-            factors: vec![0.0; BLOCK],
-            y: vec![0.0; BLOCK * V::COMPONENTS],
+            values: vec![V::zero(); self.block],
+            pdfs: vec![0.0; self.block * techniques],
+            factors: vec![0.0; self.block],
+            y: vec![0.0; self.block * V::COMPONENTS],
             blocks: vec![Moments::default(); V::COMPONENTS],
             ratios: Ratios { r: vec![0.0; techniques], ln_r: vec![0.0; techniques] },
         };
@@ -75,11 +77,11 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         (buffers, Sums { contributions, counts: Counts::default() })
     }
 
-    /// Samples technique `i` at the rows of `buffers.xi`, at most `BLOCK` of them, and adds their
+    /// Samples technique `i` at the `n` rows of `buffers.xi`, at most a block, and adds their
     /// contributions to `sums`. `index` numbers the samples.
     pub(super) fn block<F, I>(
         &self,
-        i: usize,
+        (i, n): (usize, usize),
         index: impl Fn(usize) -> u64,
         f: &F,
         buffers: &mut Buffers<P, F::Value>,
@@ -91,10 +93,10 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         I: FnMut(&Sample<'_, P, F::Value>),
     {
         let Buffers { xi, xs, values, pdfs, factors, y, blocks, ratios } = buffers;
+        let held = xs.len();
         self.techniques[i].sample_batch(xi, xs);
-        let rows = xi.len() / self.techniques[i].dimension().max(1);
-        let n = rows.min(BLOCK);
-        if xs.len() < n {
+        // One that appends would leave the points of an earlier block in front.
+        if xs.len() < n || xs.len() > n.max(held) {
             return Err(EstimateError::Batch { technique: i, asked: n, sampled: xs.len() });
         }
         let (xs, values, factors) = (&xs[..n], &mut values[..n], &mut factors[..n]);
@@ -121,7 +123,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         }
 
         let mut zeros = 0;
-        for (c, y) in y.chunks_exact_mut(BLOCK).enumerate() {
+        for (c, y) in y.chunks_exact_mut(self.block).enumerate() {
             zeros = 0;
             for ((y, value), factor) in y.iter_mut().zip(&*values).zip(&*factors) {
                 *y = value.times(c, *factor);
@@ -139,10 +141,10 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
                         return Err(EstimateError::new(i, index(j), &xs[j], fault));
                     }
                     sums.counts.count(&fault);
-                    y.chunks_exact_mut(BLOCK).for_each(|y| y[j] = 0.0);
+                    y.chunks_exact_mut(self.block).for_each(|y| y[j] = 0.0);
                 }
             }
-            for (block, y) in blocks.iter_mut().zip(y.chunks_exact(BLOCK)) {
+            for (block, y) in blocks.iter_mut().zip(y.chunks_exact(self.block)) {
                 *block = Moments::of_block(&y[..n]);
                 zeros = y[..n].iter().map(|y| u64::from(*y == 0.0)).sum();
             }
@@ -151,9 +153,10 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         for (j, (x, value)) in xs.iter().zip(&*values).enumerate() {
             let total = self.total as f64;
             let y = y.get(j..).unwrap_or_default();
-            inspect(&Sample { technique: i, index: index(j), x, value, y, total });
+            let stride = self.block;
+            inspect(&Sample { technique: i, index: index(j), x, value, y, stride, total });
         }
-        let rows = y.chunks_exact(BLOCK);
+        let rows = y.chunks_exact(self.block);
         if rows.len() > 1 {
             zeros = (0..n).map(|j| u64::from(rows.clone().all(|y| y[j] == 0.0))).sum();
         }
@@ -198,13 +201,13 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         }
         for (of, row) in pdfs.clone().enumerate() {
             let pdf = row[j];
-            if !(pdf >= 0.0) || (of == i && pdf == f64::INFINITY) {
+            if !(pdf >= 0.0) {
                 return Err(Fault::Density { of, pdf });
             }
         }
-        // A pdf of 0 may have underflowed; its logarithm knows.
+        // A pdf of 0 may have underflowed, an infinite one overflowed; the logarithm knows.
         let underflowed = pdfs.clone().nth(i).is_none_or(|row| row[j] == 0.0);
-        let finite = (0..V::COMPONENTS).all(|c| y[c * BLOCK + j].is_finite());
+        let finite = (0..V::COMPONENTS).all(|c| y[c * self.block + j].is_finite());
         if finite && !underflowed {
             return Ok(());
         }
@@ -233,11 +236,15 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
                 *ln_r = if *ln_r == largest { 0.0 } else { *ln_r - largest };
                 *r = ln_r.exp();
             }
-            self.weighting.ln_weight_over_ratio(i, ln_r, r) - largest
+            if ln_r[i] == f64::NEG_INFINITY {
+                f64::NEG_INFINITY
+            } else {
+                self.weighting.ln_weight_over_ratio(i, ln_r, r) - largest
+            }
         };
         let model = (self.density_factors[i] / self.alpha[i]).ln();
         for c in 0..V::COMPONENTS {
-            let y = &mut y[c * BLOCK + j];
+            let y = &mut y[c * self.block + j];
             *y = value.times_exp(c, ln_weight_over_density + model);
             if !y.is_finite() {
                 return Err(Fault::Contribution(*y));

@@ -24,7 +24,7 @@ pub trait Estimator<P: Debug> {
     /// Estimates ∫ f from the canonical numbers of `points`, showing every sample to `inspect`.
     ///
     /// Histograms and derived observables are sums of the samples' contributions; the sum of them
-    /// all is the estimate, up to rounding. Samples come technique by technique.
+    /// all is the estimate, up to rounding. Samples come in blocks of one technique each.
     ///
     /// # Errors
     ///
@@ -71,14 +71,23 @@ pub trait Estimator<P: Debug> {
 /// call per block costs nothing.
 const BLOCK: usize = 512;
 
+/// How many of the `samples` that are left make the next block.
+fn block_size(samples: u64) -> usize {
+    usize::try_from(samples).map_or(BLOCK, |samples| samples.min(BLOCK))
+}
+
 /// A technique behind a reference.
 type Dyn<'a, P> = &'a dyn Technique<Point = P>;
 
-/// There is a technique, each uses canonical numbers, and their points have one length.
+/// The most canonical numbers that a sample may use: a block of them is 4 GiB.
+const LARGEST_DIMENSION: usize = 1 << 20;
+
+/// The techniques' dimensions, if there is a technique, each uses canonical numbers, and their
+/// points have one length.
 fn check_techniques<P>(
     owner: &'static str,
     techniques: &[Dyn<'_, P>],
-) -> Result<(), ArgumentError> {
+) -> Result<Vec<usize>, ArgumentError> {
     if techniques.is_empty() {
         return Err(ArgumentError::new(
             owner,
@@ -88,11 +97,15 @@ fn check_techniques<P>(
         ));
     }
     let mut length = None;
+    let mut dimensions = Vec::with_capacity(techniques.len());
     for (i, technique) in techniques.iter().enumerate() {
-        if technique.dimension() == 0 {
+        let dimension = technique.dimension();
+        if !(1..=LARGEST_DIMENSION).contains(&dimension) {
             let argument = format!("techniques[{i}].dimension()");
-            return Err(ArgumentError::new(owner, argument, 0, "it must be at least 1"));
+            let rule = "it must be at least 1 and at most 2^20";
+            return Err(ArgumentError::new(owner, argument, dimension, rule));
         }
+        dimensions.push(dimension);
         if let Some(len) = technique.point_len() {
             let (first, expected) = *length.get_or_insert((i, len));
             if len != expected {
@@ -102,5 +115,5 @@ fn check_techniques<P>(
             }
         }
     }
-    Ok(())
+    Ok(dimensions)
 }

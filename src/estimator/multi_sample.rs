@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use super::kernel::Kernel;
 use super::sample::{OnFault, Sample};
-use super::{BLOCK, Dyn, Estimator, check_techniques};
+use super::{Dyn, Estimator, block_size, check_techniques};
 use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::{Design, Estimate};
 use crate::integrand::Integrand;
@@ -35,6 +35,7 @@ use crate::weighting::{Balance, Weighting};
 /// Rendering*, SIGGRAPH 1995, doi:10.1145/218380.218498.
 pub struct MultiSample<'a, P, W = Balance> {
     techniques: Vec<Dyn<'a, P>>,
+    dimensions: Vec<usize>,
     samples: Vec<u64>,
     /// n_i / N.
     alpha: Vec<f64>,
@@ -51,7 +52,7 @@ impl<'a, P> MultiSample<'a, P> {
     /// whose points have a run-time length must agree on it.
     pub fn new(techniques: &[(&'a dyn Technique<Point = P>, u64)]) -> Result<Self, ArgumentError> {
         let (techniques, samples): (Vec<Dyn<'a, P>>, Vec<u64>) = techniques.iter().copied().unzip();
-        check_techniques("MultiSample", &techniques)?;
+        let dimensions = check_techniques("MultiSample", &techniques)?;
         // Counts are exact as f64 up to here.
         let total = samples.iter().try_fold(0_u64, |sum, n| sum.checked_add(*n));
         let Some(total) = total.filter(|total| (1..=1 << 53).contains(total)) else {
@@ -59,7 +60,8 @@ impl<'a, P> MultiSample<'a, P> {
             return Err(ArgumentError::new("MultiSample", "samples", samples, rule));
         };
         let alpha = samples.iter().map(|n| *n as f64 / total as f64).collect();
-        Ok(Self { techniques, samples, alpha, weighting: Balance, on_fault: OnFault::Error })
+        let (weighting, on_fault) = (Balance, OnFault::Error);
+        Ok(Self { techniques, dimensions, samples, alpha, weighting, on_fault })
     }
 }
 
@@ -74,8 +76,8 @@ impl<'a, P, W> MultiSample<'a, P, W> {
         weighting: U,
     ) -> Result<MultiSample<'a, P, U>, ArgumentError> {
         weighting.check(&self.alpha)?;
-        let Self { techniques, samples, alpha, on_fault, .. } = self;
-        Ok(MultiSample { techniques, samples, alpha, weighting, on_fault })
+        let Self { techniques, dimensions, samples, alpha, on_fault, .. } = self;
+        Ok(MultiSample { techniques, dimensions, samples, alpha, weighting, on_fault })
     }
 
     /// What to do with samples that have no usable contribution; an error by default.
@@ -97,6 +99,7 @@ impl<P: Debug, W: Weighting> Estimator<P> for MultiSample<'_, P, W> {
         S: PointSource + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
+        let most = self.samples.iter().copied().max().unwrap_or(0);
         let kernel = Kernel {
             techniques: &self.techniques,
             alpha: &self.alpha,
@@ -104,16 +107,16 @@ impl<P: Debug, W: Weighting> Estimator<P> for MultiSample<'_, P, W> {
             weighting: &self.weighting,
             on_fault: self.on_fault,
             total: self.samples.iter().sum(),
+            block: block_size(most),
         };
         let (mut buffers, mut sums) = kernel.start();
-        for (i, (technique, n)) in self.techniques.iter().zip(&self.samples).enumerate() {
-            let dimension = technique.dimension();
-            for first in (0..*n).step_by(BLOCK) {
-                let rows = usize::try_from(n - first).map_or(BLOCK, |left| left.min(BLOCK));
-                buffers.xi.resize(rows * dimension, 0.0);
-                points.fill(i, first, dimension, &mut buffers.xi)?;
+        for (i, (dimension, samples)) in self.dimensions.iter().zip(&self.samples).enumerate() {
+            for first in (0..*samples).step_by(kernel.block) {
+                let n = block_size(samples - first);
+                buffers.xi.resize(n * dimension, 0.0);
+                points.fill(i, first, *dimension, &mut buffers.xi)?;
                 let index = |j: usize| first + j as u64;
-                kernel.block(i, index, f, &mut buffers, &mut sums, &mut inspect)?;
+                kernel.block((i, n), index, f, &mut buffers, &mut sums, &mut inspect)?;
             }
         }
         Ok(Estimate::new(
@@ -122,6 +125,19 @@ impl<P: Debug, W: Weighting> Estimator<P> for MultiSample<'_, P, W> {
             &sums.contributions,
             sums.counts,
         ))
+    }
+}
+
+impl<P, W: Clone> Clone for MultiSample<'_, P, W> {
+    fn clone(&self) -> Self {
+        Self {
+            techniques: self.techniques.clone(),
+            dimensions: self.dimensions.clone(),
+            samples: self.samples.clone(),
+            alpha: self.alpha.clone(),
+            weighting: self.weighting.clone(),
+            on_fault: self.on_fault,
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use super::kernel::Kernel;
 use super::sample::{OnFault, Sample};
-use super::{BLOCK, Dyn, Estimator, check_techniques};
+use super::{Dyn, Estimator, block_size, check_techniques};
 use crate::discrete::Discrete;
 use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::{Design, Estimate};
@@ -43,6 +43,7 @@ use crate::weighting::{Balance, Weighting};
 /// Stanford University, 1997, section 9.2.4.
 pub struct OneSample<'a, P, W = Balance> {
     techniques: Vec<Dyn<'a, P>>,
+    dimensions: Vec<usize>,
     probabilities: Vec<f64>,
     selection: Discrete,
     density_factors: Vec<f64>,
@@ -66,7 +67,7 @@ impl<'a, P> OneSample<'a, P> {
     ) -> Result<Self, ArgumentError> {
         let (techniques, probabilities): (Vec<Dyn<'a, P>>, Vec<f64>) =
             techniques.iter().copied().unzip();
-        check_techniques("OneSample", &techniques)?;
+        let dimensions = check_techniques("OneSample", &techniques)?;
         if !(1..=1 << 53).contains(&samples) {
             let rule = "it must be at least 1 and at most 2^53";
             return Err(ArgumentError::new("OneSample", "samples", samples, rule));
@@ -76,6 +77,7 @@ impl<'a, P> OneSample<'a, P> {
         let (weighting, on_fault) = (Balance, OnFault::Error);
         Ok(Self {
             techniques,
+            dimensions,
             probabilities,
             selection,
             density_factors,
@@ -97,10 +99,11 @@ impl<'a, P, W> OneSample<'a, P, W> {
         weighting: U,
     ) -> Result<OneSample<'a, P, U>, ArgumentError> {
         weighting.check(&self.probabilities)?;
-        let Self { techniques, probabilities, selection, density_factors, .. } = self;
+        let Self { techniques, dimensions, probabilities, selection, density_factors, .. } = self;
         let (samples, on_fault) = (self.samples, self.on_fault);
         Ok(OneSample {
             techniques,
+            dimensions,
             probabilities,
             selection,
             density_factors,
@@ -113,13 +116,11 @@ impl<'a, P, W> OneSample<'a, P, W> {
     /// Makes the weights of q_k = p_k, not of P_k p_k: the balance heuristic is then
     /// w_i = p_i / Σ p_k, and a sample contributes f / (P_i Σ p_k).
     ///
-    /// Unbiased as well, with a variance that is at least that of the default; equal to it if the
-    /// probabilities are.
+    /// Unbiased as well. Under the balance heuristic the variance is at least that of the default, and
+    /// equal to it if the probabilities are equal.
     #[must_use]
     pub fn weights_without_probabilities(self) -> Self {
-        let density_factors =
-            self.probabilities.iter().map(|p| if *p > 0.0 { 1.0 } else { 0.0 }).collect();
-        Self { density_factors, ..self }
+        Self { density_factors: vec![1.0; self.techniques.len()], ..self }
     }
 
     /// What to do with samples that have no usable contribution; an error by default.
@@ -148,28 +149,28 @@ impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
             weighting: &self.weighting,
             on_fault: self.on_fault,
             total: self.samples,
+            block: block_size(self.samples),
         };
         let (mut buffers, mut sums) = kernel.start();
-        let dimensions = self.techniques.iter().map(|technique: &Dyn<'_, P>| technique.dimension());
-        let dimension = 1 + dimensions.max().unwrap_or(0);
+        let dimension = 1 + self.dimensions.iter().copied().max().unwrap_or(0);
         let mut rows = Vec::new();
-        let mut choices = Vec::with_capacity(BLOCK);
-        let mut selected = Vec::with_capacity(BLOCK);
+        let mut choices = Vec::with_capacity(kernel.block);
+        let mut selected = Vec::with_capacity(kernel.block);
         let mut samples = vec![0; self.techniques.len()];
-        for first in (0..self.samples).step_by(BLOCK) {
-            let n = usize::try_from(self.samples - first).map_or(BLOCK, |left| left.min(BLOCK));
+        for first in (0..self.samples).step_by(kernel.block) {
+            let n = block_size(self.samples - first);
             rows.resize(n * dimension, 0.0);
             points.fill(0, first, dimension, &mut rows)?;
             let rows = rows.chunks_exact(dimension);
             choices.clear();
             choices.extend(rows.clone().map(|row| self.selection.select(row[0])));
-            for (i, technique) in self.techniques.iter().enumerate() {
+            for (i, own) in self.dimensions.iter().enumerate() {
                 let xi = &mut buffers.xi;
                 xi.clear();
                 selected.clear();
                 for ((row, choice), index) in rows.clone().zip(&choices).zip(first..) {
                     if *choice == i {
-                        xi.extend_from_slice(&row[1..=technique.dimension()]);
+                        xi.extend_from_slice(&row[1..=*own]);
                         selected.push(index);
                     }
                 }
@@ -178,10 +179,26 @@ impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
                 }
                 samples[i] += selected.len() as u64;
                 let index = |j: usize| selected.get(j).copied().unwrap_or(u64::MAX);
-                kernel.block(i, index, f, &mut buffers, &mut sums, &mut inspect)?;
+                let n = selected.len();
+                kernel.block((i, n), index, f, &mut buffers, &mut sums, &mut inspect)?;
             }
         }
         Ok(Estimate::new(Design::Pooled, samples, &sums.contributions, sums.counts))
+    }
+}
+
+impl<P, W: Clone> Clone for OneSample<'_, P, W> {
+    fn clone(&self) -> Self {
+        Self {
+            techniques: self.techniques.clone(),
+            dimensions: self.dimensions.clone(),
+            probabilities: self.probabilities.clone(),
+            selection: self.selection.clone(),
+            density_factors: self.density_factors.clone(),
+            samples: self.samples,
+            weighting: self.weighting.clone(),
+            on_fault: self.on_fault,
+        }
     }
 }
 

@@ -1,10 +1,10 @@
 //! Samples as an estimator shows them, and what becomes of the unusable ones.
 
-use super::BLOCK;
 use crate::integrand::Value;
 
 /// What to do with a sample that has no usable contribution: the integrand is not finite, the
-/// contribution overflows, or the technique's own pdf is 0, negative or NaN.
+/// contribution times N overflows, the technique's own pdf is 0 or infinite, or any pdf is negative
+/// or NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum OnFault {
@@ -22,8 +22,9 @@ pub struct Sample<'a, P, V> {
     pub(super) index: u64,
     pub(super) x: &'a P,
     pub(super) value: &'a V,
-    /// One a component, `BLOCK` apart; times the number of samples.
+    /// One a component, `stride` apart; times the number of samples.
     pub(super) y: &'a [f64],
+    pub(super) stride: usize,
     pub(super) total: f64,
 }
 
@@ -56,6 +57,6 @@ impl<'a, P, V: Value> Sample<'a, P, V> {
     /// sum over all samples is the estimate.
     #[must_use]
     pub fn contribution(&self) -> V::Each<f64> {
-        V::each(|c| self.y[c * BLOCK] / self.total)
+        V::each(|c| self.y[c * self.stride] / self.total)
     }
 }

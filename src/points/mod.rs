@@ -33,7 +33,6 @@ pub trait PointSource: Sync {
     "the point source has {available} canonical numbers in stream {stream}, but sample {sample} \
      of dimension {dimension} needs more"
 )]
-#[non_exhaustive]
 pub struct PointsExhausted {
     /// The stream that ran out.
     pub stream: usize,

@@ -2,7 +2,6 @@
 
 use super::{InverseCdf, Technique, canonical};
 use crate::error::{ArgumentError, greater};
-use crate::lanes;
 use std::fmt;
 
 /// A density on \[a, b\] given by its pdf, its CDF and its inverse CDF, with respect to length.
@@ -12,7 +11,8 @@ use std::fmt;
 /// u = 0 and 1.
 ///
 /// The closures are trusted: they must belong together (pdf the derivative of cdf, `inverse_cdf` its
-/// inverse) and must not panic, and their accuracy is the technique's. The survival function is
+/// increasing inverse) and must not panic, and their accuracy is the technique's. Where an inverse
+/// overshoots an end, the pdf at that end must be positive and finite. The survival function is
 /// 1 - P, so an upper tail has the absolute precision of the CDF.
 ///
 /// ```
@@ -39,6 +39,9 @@ use std::fmt;
 pub struct FnTechnique<P, C, I> {
     a: f64,
     b: f64,
+    /// Whether the inverse leaves the support at the outermost canonical numbers. It increases, so
+    /// otherwise it never does.
+    overshoots: bool,
     pdf: P,
     cdf: C,
     inverse_cdf: I,
@@ -57,7 +60,9 @@ where
     /// The support must be two ends, not NaN, the second greater than the first.
     pub fn new(support: [f64; 2], pdf: P, cdf: C, inverse_cdf: I) -> Result<Self, ArgumentError> {
         let [a, b] = ends("FnTechnique", support)?;
-        Ok(Self { a, b, pdf, cdf, inverse_cdf })
+        let inside = |u: f64| (a..=b).contains(&inverse_cdf(canonical(&[u], 0)));
+        let overshoots = !(inside(0.0) && inside(1.0));
+        Ok(Self { a, b, overshoots, pdf, cdf, inverse_cdf })
     }
 }
 
@@ -71,19 +76,10 @@ pub(super) fn ends(owner: &'static str, [a, b]: [f64; 2]) -> Result<[f64; 2], Ar
     Ok([a, b])
 }
 
-impl<P, C, I> FnTechnique<P, C, I> {
-    /// Whether the support contains all of `xs`, NaN aside: once a batch, this is cheaper than a
-    /// comparison for each.
-    fn contains_all(&self, xs: &[f64]) -> bool {
-        let (least, greatest) = lanes::bounds(xs);
-        self.a <= least && greatest <= self.b
-    }
-
-    /// `x`, or the nearer end of the support; NaN stays NaN.
-    fn confined(&self, x: f64) -> f64 {
-        let x = if x < self.a { self.a } else { x };
-        if x > self.b { self.b } else { x }
-    }
+/// `x`, or the end of \[a, b\] that is nearer; NaN stays NaN.
+fn confined(x: f64, a: f64, b: f64) -> f64 {
+    let x = if x < a { a } else { x };
+    if x > b { b } else { x }
 }
 
 impl<P, C, I> fmt::Debug for FnTechnique<P, C, I> {
@@ -106,7 +102,8 @@ where
     }
 
     fn sample(&self, xi: &[f64]) -> f64 {
-        self.confined((self.inverse_cdf)(canonical(xi, 0)))
+        let x = (self.inverse_cdf)(canonical(xi, 0));
+        if self.overshoots { confined(x, self.a, self.b) } else { x }
     }
 
     fn pdf(&self, x: &f64) -> f64 {
@@ -116,18 +113,10 @@ where
     fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
         xs.clear();
         xs.extend(xi.iter().map(|u| (self.inverse_cdf)(canonical(&[*u], 0))));
-        if !self.contains_all(xs) {
+        if self.overshoots {
             for x in xs.iter_mut() {
-                *x = self.confined(*x);
+                *x = confined(*x, self.a, self.b);
             }
-        }
-    }
-
-    fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
-        if self.contains_all(xs) {
-            out.iter_mut().zip(xs).for_each(|(p, x)| *p = (self.pdf)(*x));
-        } else {
-            out.iter_mut().zip(xs).for_each(|(p, x)| *p = self.pdf(x));
         }
     }
 }
@@ -154,7 +143,7 @@ where
         } else if u == 1.0 {
             self.b
         } else if (0.0..=1.0).contains(&u) {
-            self.confined((self.inverse_cdf)(u))
+            confined((self.inverse_cdf)(u), self.a, self.b)
         } else {
             f64::NAN
         }
@@ -183,6 +172,25 @@ mod tests {
             assert!(p.inverse_cdf(v).is_nan() && p.inverse_survival(v).is_nan());
         }
         assert!(p.sample(&[]).is_nan() && p.cdf(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn batches_are_confined_as_well() {
+        let inverse = |u| if u > 0.9 { f64::NAN } else { 1.5 * u };
+        let p = FnTechnique::new([0.0, 1.0], |_| 1.0, |x| x, inverse).unwrap();
+        for n in [4, 20] {
+            let mut xi = vec![0.5; n];
+            (xi[0], xi[n - 1], xi[n / 2]) = (0.8, 0.8, 0.95);
+            let mut xs = vec![];
+            p.sample_batch(&xi, &mut xs);
+            let mut pdfs = vec![7.0; n];
+            p.pdf_batch(&xs, &mut pdfs);
+            assert_eq!((xs[0], xs[n - 1], pdfs[n / 2]), (1.0, 1.0, 0.0));
+            assert!(xs[n / 2].is_nan());
+            xs[0] = 5.0;
+            p.pdf_batch(&xs, &mut pdfs);
+            assert_eq!((pdfs[0], pdfs[1]), (0.0, 1.0));
+        }
     }
 
     #[test]

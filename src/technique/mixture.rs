@@ -64,7 +64,7 @@ impl<T: Technique> Mixture<T> {
             }
             point_len = point_len.or(len);
         }
-        let dimension = 1 + components.iter().map(T::dimension).max().unwrap_or(0);
+        let dimension = components.iter().map(T::dimension).max().unwrap_or(0).saturating_add(1);
         let ln_probabilities = probabilities.iter().map(|p| p.ln()).collect();
         Ok(Self { components, selection, ln_probabilities, dimension, point_len })
     }
@@ -81,9 +81,11 @@ impl<T: Technique> Mixture<T> {
         self.selection.probabilities()
     }
 
-    fn selected(&self, xi: &[f64]) -> (&T, usize) {
-        let k = self.selection.select(canonical(xi, 0));
-        (&self.components[k], k)
+    /// The component that the first canonical number selects, and its own canonical numbers.
+    fn selected<'a>(&self, xi: &'a [f64]) -> (&T, &'a [f64]) {
+        let component = &self.components[self.selection.select(canonical(xi, 0))];
+        let own = xi.get(1..).unwrap_or_default();
+        (component, &own[..component.dimension().min(own.len())])
     }
 
     /// The components that can be selected, with their probabilities.
@@ -91,11 +93,6 @@ impl<T: Technique> Mixture<T> {
         let pairs = self.components.iter().zip(self.probabilities().iter().copied());
         pairs.filter(|(_, p)| *p > 0.0)
     }
-}
-
-/// The canonical numbers after the first.
-fn rest(xi: &[f64]) -> &[f64] {
-    xi.get(1..).unwrap_or_default()
 }
 
 impl<T: Technique> Technique for Mixture<T> {
@@ -106,7 +103,8 @@ impl<T: Technique> Technique for Mixture<T> {
     }
 
     fn sample(&self, xi: &[f64]) -> T::Point {
-        self.selected(xi).0.sample(rest(xi))
+        let (component, own) = self.selected(xi);
+        component.sample(own)
     }
 
     fn pdf(&self, x: &T::Point) -> f64 {
@@ -141,7 +139,8 @@ impl<T: Technique> Technique for Mixture<T> {
     }
 
     fn sample_into(&self, xi: &[f64], x: &mut T::Point) {
-        self.selected(xi).0.sample_into(rest(xi), x);
+        let (component, own) = self.selected(xi);
+        component.sample_into(own, x);
     }
 
     fn pdf_batch(&self, xs: &[T::Point], out: &mut [f64]) {

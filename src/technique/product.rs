@@ -209,7 +209,7 @@ fn side(owner: &'static str, d: usize, a: f64, b: f64) -> Result<Uniform, Argume
 
 fn fill<T: InverseCdf>(coordinates: &[T], xi: &[f64], x: &mut [f64]) {
     for (d, (x, t)) in x.iter_mut().zip(coordinates).enumerate() {
-        *x = t.sample(xi.get(d..).unwrap_or_default());
+        *x = t.sample(xi.get(d..=d).unwrap_or_default());
     }
 }
 

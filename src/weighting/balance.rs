@@ -29,7 +29,7 @@ impl Weighting for Balance {
     ) {
         // Σ q_k in registers, eight points at a time; then the rest.
         let whole = out.len() - out.len() % LANES;
-        let (mut least, mut greatest) = ([f64::INFINITY; LANES], [0.0; LANES]);
+        let mut greatest = [0.0; LANES];
         for (chunk, out) in out.chunks_exact_mut(LANES).enumerate() {
             let mut c = [0.0; LANES];
             for (a, p) in q.rows() {
@@ -37,17 +37,18 @@ impl Weighting for Balance {
                     *c += a * p;
                 }
             }
-            for j in 0..LANES {
-                least[j] = if least[j] < c[j] { least[j] } else { c[j] };
-                greatest[j] = if greatest[j] > c[j] { greatest[j] } else { c[j] };
-                out[j] = c[j].recip();
+            for ((out, greatest), c) in out.iter_mut().zip(&mut greatest).zip(c) {
+                *greatest = if *greatest > c { *greatest } else { c };
+                *out = c.recip();
             }
         }
-        let factor = |c: f64| if SAFE.contains(&c) { c.recip() } else { f64::NAN };
-        let safe = least.iter().chain(&greatest).all(|c| SAFE.contains(c));
+        // A c that is too small has an infinite reciprocal, which shows; a c that is too large does
+        // not. NaN stays NaN.
+        let safe = greatest.iter().all(|c| *c < SAFE.end);
         let first = if safe { whole } else { 0 };
         for (j, out) in out.iter_mut().enumerate().skip(first) {
-            *out = factor(q.rows().map(|(a, p)| a * p[j]).sum());
+            let c: f64 = q.rows().map(|(a, p)| a * p[j]).sum();
+            *out = if c < SAFE.end { c.recip() } else { f64::NAN };
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Constant weights.
 
-use super::Weighting;
+use super::{Weighting, at};
 use crate::error::ArgumentError;
 
 /// Weights that are the same at every point: a weighted sum of independent estimators.
@@ -54,13 +54,13 @@ impl Constant {
 impl Weighting for Constant {
     /// Not used: [`constant_weight`](Weighting::constant_weight) answers first.
     fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64 {
-        self.constant_weight(i, r).unwrap_or(0.0) / r[i]
+        self.constant_weight(i, r).unwrap_or(0.0) / at(r, i)
     }
 
     fn constant_weight(&self, i: usize, alpha: &[f64]) -> Option<f64> {
         Some(match &self.weights {
             Some(weights) => weights.get(i).copied().unwrap_or(0.0),
-            None if alpha[i] > 0.0 => {
+            None if at(alpha, i) > 0.0 => {
                 (alpha.iter().filter(|alpha| **alpha > 0.0).count() as f64).recip()
             }
             None => 0.0,

@@ -1,6 +1,6 @@
 //! The cutoff heuristic.
 
-use super::Weighting;
+use super::{Weighting, at};
 use crate::error::ArgumentError;
 
 /// The cutoff heuristic: the balance heuristic among the techniques with q_k ≥ a max q.
@@ -31,7 +31,7 @@ impl Cutoff {
 
 impl Weighting for Cutoff {
     fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64 {
-        if r[i] < self.a {
+        if at(r, i) < self.a {
             return 0.0;
         }
         r.iter().filter(|r| **r >= self.a).sum::<f64>().recip()

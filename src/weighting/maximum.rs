@@ -1,6 +1,6 @@
 //! The maximum heuristic.
 
-use super::Weighting;
+use super::{Weighting, at};
 
 /// The maximum heuristic: all the weight to the technique with the largest q_k. Ties share.
 ///
@@ -13,7 +13,7 @@ pub struct Maximum;
 
 impl Weighting for Maximum {
     fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64 {
-        if r[i] < 1.0 {
+        if at(r, i) < 1.0 {
             return 0.0;
         }
         (r.iter().filter(|r| **r == 1.0).count() as f64).recip()

@@ -2,7 +2,8 @@
 //!
 //! At a point x, technique k has the effective density q_k = α_k p_k(x), α_k being its share of
 //! the samples. A weighting gives w_i(x), with Σ w_i = 1 wherever any q_k is positive, and
-//! w_i = 0 where q_i = 0. A sample of technique i contributes w_i f / q_i.
+//! w_i = 0 where q_i = 0 (but for constant weights, which rely on every technique covering f). A
+//! sample of technique i contributes w_i f / q_i.
 //!
 //! Everything is computed from ratios r_k = q_k / max q, which lie in \[0, 1\]: no power or product
 //! of densities over- or underflows. Where a density itself leaves the range of `f64`, the
@@ -41,16 +42,15 @@ use crate::error::ArgumentError;
 /// ```
 /// use mis::weighting::{Weighting, weights};
 ///
-/// /// Equal weights for all techniques that cover the point.
-/// struct Coverage;
+/// /// The balance heuristic with a confidence v_i in each technique: w_i = v_i q_i / Σ v_k q_k.
+/// struct Confidence(Vec<f64>);
 ///
-/// impl Weighting for Coverage {
+/// impl Weighting for Confidence {
 ///     fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64 {
-///         let covering = r.iter().filter(|r| **r > 0.0).count();
-///         1.0 / (covering as f64 * r[i])
+///         self.0[i] / self.0.iter().zip(r).map(|(v, r)| v * r).sum::<f64>()
 ///     }
 /// }
-/// assert_eq!(weights(&Coverage, &[0.5, 0.0, 2.0]), Some(vec![0.5, 0.0, 0.5]));
+/// assert_eq!(weights(&Confidence(vec![3.0, 1.0]), &[1.0, 1.0]), Some(vec![0.75, 0.25]));
 /// ```
 #[doc(alias("heuristic", "combination"))]
 pub trait Weighting: Sync {
@@ -69,8 +69,8 @@ pub trait Weighting: Sync {
         self.weight_over_ratio(i, r).ln()
     }
 
-    /// w_i / q_i at every point of a block, into `out`; NaN where q leaves the range in which the
-    /// quotient has all its digits, for the estimator to turn to logarithms.
+    /// w_i / q_i at every point of a block, into `out`; infinite or NaN where q leaves the range in
+    /// which the quotient has all its digits, for the estimator to turn to logarithms.
     ///
     /// `r` has room for the ratios at one point.
     fn weight_over_density_batch(
@@ -147,6 +147,11 @@ fn by_point<W: Weighting + ?Sized>(
             f64::NAN
         };
     }
+}
+
+/// `xs[i]`; 0 for a technique that there is not.
+fn at(xs: &[f64], i: usize) -> f64 {
+    xs.get(i).copied().unwrap_or(0.0)
 }
 
 /// Where the largest density has a reciprocal that is a normal number with room to spare.

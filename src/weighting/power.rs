@@ -1,6 +1,6 @@
 //! The power heuristic.
 
-use super::{Densities, SAFE, Weighting, by_point};
+use super::{Densities, SAFE, Weighting, at, by_point};
 use crate::error::ArgumentError;
 use crate::lanes::LANES;
 
@@ -37,15 +37,9 @@ impl Power {
         Self { beta: 2.0 }
     }
 
-    /// r^β, 0 where r = 0 (0⁰ would be 1: a technique that does not cover the point has no weight).
+    /// r^β.
     fn power(self, r: f64) -> f64 {
-        if r == 0.0 {
-            0.0
-        } else if self.beta == 2.0 {
-            r * r
-        } else {
-            r.powf(self.beta)
-        }
+        if self.beta == 2.0 { r * r } else { r.powf(self.beta) }
     }
 }
 
@@ -56,7 +50,8 @@ impl Weighting for Power {
             return f64::NAN;
         }
         let sum = r.iter().map(|r| self.power(*r)).sum::<f64>();
-        if self.beta == 2.0 { r[i] / sum } else { r[i].powf(self.beta - 1.0) / sum }
+        let own = at(r, i);
+        if self.beta == 2.0 { own / sum } else { own.powf(self.beta - 1.0) / sum }
     }
 
     fn weight_over_density_batch(
@@ -101,6 +96,6 @@ impl Weighting for Power {
         // exp(0 · -∞) would be NaN: what does not cover the point has no weight at β = 0 either.
         let covering = ln_r.iter().filter(|l| **l > f64::NEG_INFINITY);
         let sum: f64 = covering.map(|l| (self.beta * l).exp()).sum();
-        (self.beta - 1.0) * ln_r[i] - sum.ln()
+        (self.beta - 1.0) * at(ln_r, i) - sum.ln()
     }
 }
