@@ -203,6 +203,11 @@ pub fn canonical(xi: &[f64], d: usize) -> f64 {
     }
 }
 
+/// Two masses of sum 1, from the smaller of two roundings of them: it has the smaller error.
+fn split(below: f64, above: f64) -> (f64, f64) {
+    if below < above { (below, 1.0 - below) } else { (1.0 - above, above) }
+}
+
 macro_rules! forward {
     ($([$($lifetime:lifetime)?] $pointer:ty),*) => {$(
         impl<$($lifetime,)? T: Technique + ?Sized> Technique for $pointer where $pointer: Sync {

@@ -3,7 +3,7 @@
 use super::normal_tail::{
     inverse_series, inverse_upper_tail, mills, series, series_limit, upper_tail,
 };
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, canonical, split};
 use crate::error::{ArgumentError, finite, greater, positive};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 
@@ -181,7 +181,8 @@ impl TruncatedNormal {
             (above + below * last).ln()
         };
         let mut d = if alpha < 4.0 {
-            inverse_upper_tail(target.exp() * upper_tail(alpha)) - alpha
+            let tail = target.exp() * upper_tail(alpha);
+            inverse_upper_tail(tail.max(f64::MIN_POSITIVE)) - alpha // it may underflow
         } else {
             -2.0 * target / (alpha + (alpha * alpha - 2.0 * target).sqrt())
         };
@@ -228,8 +229,7 @@ impl TruncatedNormal {
         let at = Score { z: (x - self.mean) / self.sd, shape: self.ln_shape(x).exp() };
         let below = self.mass(self.alpha, at, (x - self.a) / self.sd) / self.total;
         let above = self.mass(at, self.beta, (self.b - x) / self.sd) / self.total;
-        // Of two roundings of the same split, the smaller part has the smaller error.
-        if below < above { (below, 1.0 - below) } else { (1.0 - above, above) }
+        split(below, above)
     }
 }
 
@@ -288,6 +288,13 @@ impl InverseCdf for TruncatedNormal {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_smallest_probability_has_a_place() {
+        let p = TruncatedNormal::new(0.0, 1.0, 2.85, f64::INFINITY).unwrap();
+        let x = p.inverse_survival(5e-324);
+        assert!((x - 38.6).abs() < 0.1, "{x}");
+    }
 
     #[test]
     fn wrong_arguments_are_named() {
