@@ -12,15 +12,15 @@ use mis::technique::{
 };
 
 /// Random parameters.
-struct Draw(Vec<f64>);
+struct Draw(std::vec::IntoIter<f64>);
 
 impl Draw {
     fn new(seed: u64) -> Self {
-        Self(canonical_numbers(seed, 1000))
+        Self(canonical_numbers(seed, 1000).into_iter())
     }
 
     fn between(&mut self, a: f64, b: f64) -> f64 {
-        a + (b - a) * self.0.pop().unwrap()
+        a + (b - a) * self.0.next().unwrap_or(0.5)
     }
 
     /// A number of random magnitude.

@@ -186,8 +186,8 @@ mod tests {
             assert!(q.pdf(&q.sample(&[xi])) > 0.0);
         }
         // The density at an end underflows.
-        let p = Linear::new(-4e52, -3.9999999999999e52, 5.0, 7e303).unwrap();
-        let q = Linear::new(-4e52, -3.9999999999999e52, 7e303, 5.0).unwrap();
+        let p = Linear::new(-4e52, -3.999_999_999_999_9e52, 5.0, 7e303).unwrap();
+        let q = Linear::new(-4e52, -3.999_999_999_999_9e52, 7e303, 5.0).unwrap();
         for xi in [0.0, 1.0] {
             assert!(p.pdf(&p.sample(&[xi])) > 0.0);
             assert!(q.pdf(&q.sample(&[xi])) > 0.0);
