@@ -203,9 +203,16 @@ pub fn canonical(xi: &[f64], d: usize) -> f64 {
     }
 }
 
-/// Two masses of sum 1, from the smaller of two roundings of them: it has the smaller error.
+/// Two masses of sum 1 from roundings of both, whose errors partly cancel in the quotients.
 fn split(below: f64, above: f64) -> (f64, f64) {
-    if below < above { (below, 1.0 - below) } else { (1.0 - above, above) }
+    let sum = below + above;
+    if below < above {
+        let below = below / sum;
+        (below, 1.0 - below)
+    } else {
+        let above = above / sum;
+        (1.0 - above, above)
+    }
 }
 
 macro_rules! forward {
