@@ -291,8 +291,8 @@ laws! {
     normal: Some(Normal::standard());
     normal_shifted: Normal::new(-3.0, 0.2);
     normal_far: Normal::new(1e9, 1.0);
-    normal_tiny: Normal::new(0.0, 1e-300), ln_pdf: 1000.0;
-    normal_huge: Normal::new(0.0, 1e290), ln_pdf: 1000.0;
+    normal_tiny: Normal::new(0.0, 1e-300);
+    normal_huge: Normal::new(0.0, 1e290);
     normal_below_one_ulp: Normal::new(1e20, 1e-3), resolved: false;
 }
 
@@ -335,9 +335,9 @@ laws! {
     truncated_normal_far_at_0: TruncatedNormal::new(-1e5, 1.0, 0.0, INF);
     truncated_normal_narrow: TruncatedNormal::new(0.0, 1.0, 0.5, 0.5 + 1e-9);
     truncated_normal_narrow_far: TruncatedNormal::new(0.0, 1.0, 100.0, 100.0 + 1e-9);
-    truncated_normal_flat: TruncatedNormal::new(0.0, 1e300, -1.0, 2.0), ln_pdf: 1000.0;
-    truncated_normal_tiny: TruncatedNormal::new(0.0, 1e-300, -1e-300, 3e-300), ln_pdf: 1000.0;
-    truncated_normal_needle: TruncatedNormal::new(0.0, 1e-30, -1.0, 1.0), ln_pdf: 1000.0;
+    truncated_normal_flat: TruncatedNormal::new(0.0, 1e300, -1.0, 2.0);
+    truncated_normal_tiny: TruncatedNormal::new(0.0, 1e-300, -1e-300, 3e-300);
+    truncated_normal_needle: TruncatedNormal::new(0.0, 1e-30, -1.0, 1.0);
     truncated_normal_one_ulp: TruncatedNormal::new(0.0, 1.0, 1.0, 1.0 + f64::EPSILON), resolved: false;
 }
 

@@ -33,6 +33,8 @@ pub struct Affine<T> {
     /// The support of `inner`, and its image in increasing order.
     inner_support: (f64, f64),
     support: (f64, f64),
+    /// The part of `support` where samples may lie.
+    sampled: (f64, f64),
 }
 
 impl<T: InverseCdf> Affine<T> {
@@ -41,7 +43,8 @@ impl<T: InverseCdf> Affine<T> {
     /// # Errors
     ///
     /// `shift` must be finite; `scale` must be finite, not subnormal and not 0, and keep finite
-    /// ends of the support finite and apart.
+    /// ends of the support finite and apart, samples finite, and their densities finite and
+    /// greater than 0 (where these underflow, their logarithms finite).
     pub fn new(inner: T, shift: f64, scale: f64) -> Result<Self, ArgumentError> {
         finite("Affine", "shift", shift)?;
         if !scale.is_normal() {
@@ -50,16 +53,32 @@ impl<T: InverseCdf> Affine<T> {
         }
         let inner_support = inner.support();
         let (a, b) = (shift + scale * inner_support.0, shift + scale * inner_support.1);
-        let support = if scale > 0.0 { (a, b) } else { (b, a) };
         let kept = a.is_finite() == inner_support.0.is_finite()
             && b.is_finite() == inner_support.1.is_finite();
+        let support = if scale > 0.0 { (a, b) } else { (b, a) };
         if !(kept && support.0 < support.1) {
             let rule = format!(
                 "it must map the support {inner_support:?} to an interval, but its image is {support:?}"
             );
             return Err(ArgumentError::new("Affine", "scale", scale, rule));
         }
-        Ok(Self { inner, shift, scale, inner_support, support })
+        let mut this = Self { inner, shift, scale, inner_support, support, sampled: support };
+        // Rounding may put samples on an end without a density; the numbers next to an end may
+        // share its preimage.
+        for _ in 0..4 {
+            if support.0.is_finite() && !this.dense(this.sampled.0) {
+                this.sampled.0 = this.sampled.0.next_up();
+            }
+            if support.1.is_finite() && !this.dense(this.sampled.1) {
+                this.sampled.1 = this.sampled.1.next_down();
+            }
+        }
+        let apart = this.sampled.0 <= this.sampled.1;
+        if !(apart && [0.0, 0.5, 1.0].iter().all(|&xi| this.dense(this.sample(&[xi])))) {
+            let rule = "samples must be finite and have a finite density greater than 0";
+            return Err(ArgumentError::new("Affine", "scale", scale, rule));
+        }
+        Ok(this)
     }
 
     /// The technique whose samples are mapped.
@@ -68,8 +87,21 @@ impl<T: InverseCdf> Affine<T> {
         &self.inner
     }
 
-    fn image(&self, y: f64) -> f64 {
-        self.shift + self.scale * y
+    /// The x for the inner y with the masses `below` and `above` on the sides of x.
+    fn place(&self, below: f64, above: f64, y: f64) -> f64 {
+        if below == 0.0 {
+            self.support.0
+        } else if above == 0.0 {
+            self.support.1
+        } else {
+            (self.shift + self.scale * y).clamp(self.sampled.0, self.sampled.1)
+        }
+    }
+
+    /// Whether x is a number and has a finite density, of which the logarithm at least does not
+    /// underflow.
+    fn dense(&self, x: f64) -> bool {
+        x.is_finite() && self.pdf(&x) < f64::INFINITY && self.ln_pdf(&x).is_finite()
     }
 
     /// The y that maps to x. In the support's image it is in the support, whatever the rounding.
@@ -116,35 +148,49 @@ impl<T: InverseCdf> Technique for Affine<T> {
 
 impl<T: InverseCdf> InverseCdf for Affine<T> {
     fn cdf(&self, x: f64) -> f64 {
+        if x <= self.support.0 {
+            return 0.0;
+        }
+        if x >= self.support.1 {
+            return 1.0;
+        }
         let y = self.preimage(x);
         if self.scale > 0.0 { self.inner.cdf(y) } else { self.inner.survival(y) }
     }
 
     fn inverse_cdf(&self, u: f64) -> f64 {
-        self.image(if self.scale > 0.0 {
+        let y = if self.scale > 0.0 {
             self.inner.inverse_cdf(u)
         } else {
             self.inner.inverse_survival(u)
-        })
+        };
+        self.place(u, 1.0 - u, y)
     }
 
     fn survival(&self, x: f64) -> f64 {
+        if x <= self.support.0 {
+            return 1.0;
+        }
+        if x >= self.support.1 {
+            return 0.0;
+        }
         let y = self.preimage(x);
         if self.scale > 0.0 { self.inner.survival(y) } else { self.inner.cdf(y) }
     }
 
     fn inverse_survival(&self, v: f64) -> f64 {
-        self.image(if self.scale > 0.0 {
+        let y = if self.scale > 0.0 {
             self.inner.inverse_survival(v)
         } else {
             self.inner.inverse_cdf(v)
-        })
+        };
+        self.place(1.0 - v, v, y)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Uniform;
+    use super::super::{Cauchy, Linear, Normal, Uniform};
     use super::*;
 
     #[test]
@@ -172,6 +218,46 @@ mod tests {
                 assert!(p.pdf(&p.inverse_survival(u)) > 0.0);
             }
         }
+    }
+
+    #[test]
+    fn the_ends_of_the_image_have_the_masses_0_and_1() {
+        // (b - shift) / scale is less than 1 for the rounded end b.
+        let p =
+            Affine::new(Uniform::unit(), 0.028_005_486_164_636_603, 0.002_749_134_709_490_756_4);
+        let p = p.unwrap();
+        let (a, b) = p.support();
+        assert_eq!((p.cdf(a), p.cdf(b), p.survival(a), p.survival(b)), (0.0, 1.0, 1.0, 0.0));
+        assert_eq!((p.inverse_cdf(0.0), p.inverse_cdf(1.0)), (a, b));
+        assert_eq!((p.inverse_survival(1.0), p.inverse_survival(0.0)), (a, b));
+    }
+
+    #[test]
+    fn rounding_does_not_put_samples_on_an_end_without_density() {
+        let up = Linear::new(0.0, 1.0, 0.0, 1.0).unwrap();
+        let down = Linear::new(3.0, 4.0, 1.0, 0.0).unwrap();
+        for (shift, scale) in [(1e9, 1.0), (-1e9, -1.0), (1.0, 1e-15), (-0.1, -3e-17)] {
+            for p in [Affine::new(up, shift, scale), Affine::new(down, shift, scale)] {
+                let p = p.unwrap();
+                for xi in [0.0, 1e-10, 0.5, 1.0 - 1e-10, 1.0] {
+                    assert!(p.pdf(&p.sample(&[xi])) > 0.0, "{p:?}: {xi}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn images_that_leave_the_range_of_numbers_are_refused() {
+        let rule = "samples must be finite and have a finite density greater than 0";
+        let cauchy = Cauchy::new(0.0, 1.0).unwrap();
+        let error = Affine::new(cauchy, 0.0, 1e300).unwrap_err();
+        assert_eq!(error.to_string(), format!("Affine: `scale` is 1e300, but {rule}"));
+        let narrow = Normal::new(0.0, 1e-200).unwrap();
+        assert_eq!(Affine::new(narrow, 0.0, 1e-200).unwrap_err().rule(), rule);
+        // Here only the density underflows, and has a logarithm.
+        let p = Affine::new(cauchy, 0.0, -3e292).unwrap();
+        let x = p.sample(&[0.0]);
+        assert!(p.pdf(&x) == 0.0 && p.ln_pdf(&x).is_finite());
     }
 
     #[test]

@@ -73,7 +73,7 @@ pub(super) fn density(dx: f64, scale: f64, angle: f64) -> f64 {
 
 /// ln of [`density`], where that is not a normal number.
 pub(super) fn ln_density(dx: f64, scale: f64, angle: f64) -> f64 {
-    -angle.ln() - scale.ln() - 2.0 * (dx / scale).hypot(1.0).ln()
+    scale.ln() - angle.ln() - 2.0 * dx.hypot(scale).ln()
 }
 
 impl Technique for Cauchy {
@@ -133,6 +133,14 @@ impl InverseCdf for Cauchy {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ln_pdf_outlives_the_density() {
+        let p = Cauchy::new(0.0, 1e-300).unwrap();
+        assert_eq!(p.pdf(&1e20), 0.0);
+        let expected = -340.0 * std::f64::consts::LN_10 - std::f64::consts::PI.ln();
+        assert!((p.ln_pdf(&1e20) - expected).abs() < 1e-12);
+    }
 
     #[test]
     fn wrong_arguments_are_named() {

@@ -1,6 +1,6 @@
 //! The exponential density, cut to an interval.
 
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, canonical, split};
 use crate::error::{ArgumentError, finite, greater};
 
 /// The exponential density of rate λ on \[a, b\], with respect to length.
@@ -69,6 +69,13 @@ impl Exponential {
         if self.grows { (above, x - self.a) } else { (x - self.a, above) }
     }
 
+    /// The masses below and above `x`.
+    fn masses(&self, x: f64) -> (f64, f64) {
+        let (dense, thin) = self.distances(x);
+        let (dense, thin) = self.decay.masses(dense, thin);
+        if self.grows { (thin, dense) } else { (dense, thin) }
+    }
+
     /// The x with the mass `below` under it and `above` = 1 - `below` over it.
     fn inverse(&self, below: f64, above: f64) -> f64 {
         if !(0.0..=1.0).contains(&below) || !(0.0..=1.0).contains(&above) {
@@ -121,8 +128,7 @@ impl Technique for Exponential {
 
 impl InverseCdf for Exponential {
     fn cdf(&self, x: f64) -> f64 {
-        let (dense, thin) = self.distances(x);
-        if self.grows { self.decay.thin_mass(dense, thin) } else { self.decay.dense_mass(dense) }
+        self.masses(x).0
     }
 
     fn inverse_cdf(&self, u: f64) -> f64 {
@@ -130,8 +136,7 @@ impl InverseCdf for Exponential {
     }
 
     fn survival(&self, x: f64) -> f64 {
-        let (dense, thin) = self.distances(x);
-        if self.grows { self.decay.dense_mass(dense) } else { self.decay.thin_mass(dense, thin) }
+        self.masses(x).1
     }
 
     fn inverse_survival(&self, v: f64) -> f64 {
@@ -170,14 +175,12 @@ impl Decay {
         -self.rate * t - self.norm.ln()
     }
 
-    /// The mass between the dense end and `t`.
-    pub(super) fn dense_mass(&self, t: f64) -> f64 {
-        integral(self.rate, t) / self.norm
-    }
-
-    /// The mass between `t` and the thin end, which is at the distance `rest` from `t`.
-    pub(super) fn thin_mass(&self, t: f64, rest: f64) -> f64 {
-        (-self.rate * t).exp() * (integral(self.rate, rest) / self.norm)
+    /// The masses between the dense end and `t`, and between `t` and the thin end, which is at
+    /// the distance `rest` from `t`.
+    pub(super) fn masses(&self, t: f64, rest: f64) -> (f64, f64) {
+        let dense = integral(self.rate, t) / self.norm;
+        let thin = (-self.rate * t).exp() * (integral(self.rate, rest) / self.norm);
+        split(dense, thin)
     }
 
     /// The place with the mass `dense` on one side and `thin` = 1 - `dense` on the other.

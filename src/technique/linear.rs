@@ -1,6 +1,6 @@
 //! The linear ramp.
 
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, canonical, split};
 use crate::error::{ArgumentError, finite, greater};
 
 /// The density on \[a, b\] that is proportional to a straight line, from the value f at a to the
@@ -58,7 +58,11 @@ impl Linear {
             let rule = "it must be greater than 0, since value_a is 0";
             return Err(ArgumentError::new("Linear", "value_b", value_b, rule));
         }
-        Ok(Self { a, b, f: value_a / largest, g: value_b / largest })
+        let mut this = Self { a, b, f: value_a / largest, g: value_b / largest };
+        // A density that underflows at an end counts as 0 there, so that the end is not sampled.
+        this.f = if this.pdf(&a) == 0.0 { 0.0 } else { this.f };
+        this.g = if this.pdf(&b) == 0.0 { 0.0 } else { this.g };
+        Ok(this)
     }
 
     /// The share of the width between the end of value `f` and the point that cuts off the mass
@@ -70,6 +74,14 @@ impl Linear {
     /// The mass between the end of value `f` and the share `s` of the width.
     fn mass(s: f64, f: f64, g: f64) -> f64 {
         s * ((2.0 - s) * f + s * g) / (f + g)
+    }
+
+    /// The masses below and above `x`.
+    fn masses(&self, x: f64) -> (f64, f64) {
+        let (x, width) = (x.clamp(self.a, self.b), self.b - self.a);
+        let below = Self::mass((x - self.a) / width, self.f, self.g);
+        let above = Self::mass((self.b - x) / width, self.g, self.f);
+        split(below, above)
     }
 
     /// The x with the mass `below` under it and `above` = 1 - `below` over it.
@@ -118,8 +130,7 @@ impl Technique for Linear {
 
 impl InverseCdf for Linear {
     fn cdf(&self, x: f64) -> f64 {
-        let x = x.clamp(self.a, self.b);
-        Self::mass((x - self.a) / (self.b - self.a), self.f, self.g)
+        self.masses(x).0
     }
 
     fn inverse_cdf(&self, u: f64) -> f64 {
@@ -127,8 +138,7 @@ impl InverseCdf for Linear {
     }
 
     fn survival(&self, x: f64) -> f64 {
-        let x = x.clamp(self.a, self.b);
-        Self::mass((self.b - x) / (self.b - self.a), self.g, self.f)
+        self.masses(x).1
     }
 
     fn inverse_survival(&self, v: f64) -> f64 {
@@ -172,6 +182,13 @@ mod tests {
         let p = Linear::new(1.0, 1.0 + f64::EPSILON, 0.0, 1.0).unwrap();
         let q = Linear::new(1.0, 1.0 + f64::EPSILON, 1.0, 0.0).unwrap();
         for xi in [0.0, 0.1, 0.9, 1.0] {
+            assert!(p.pdf(&p.sample(&[xi])) > 0.0);
+            assert!(q.pdf(&q.sample(&[xi])) > 0.0);
+        }
+        // The density at an end underflows.
+        let p = Linear::new(-4e52, -3.999_999_999_999_9e52, 5.0, 7e303).unwrap();
+        let q = Linear::new(-4e52, -3.999_999_999_999_9e52, 7e303, 5.0).unwrap();
+        for xi in [0.0, 1.0] {
             assert!(p.pdf(&p.sample(&[xi])) > 0.0);
             assert!(q.pdf(&q.sample(&[xi])) > 0.0);
         }

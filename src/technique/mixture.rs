@@ -220,6 +220,17 @@ mod tests {
     }
 
     #[test]
+    fn a_logarithm_that_is_no_number_is_passed_on() {
+        for value in [f64::NAN, f64::INFINITY] {
+            let poison = FnTechnique::new([-9.0, 9.0], move |_| value, |x| x, |u| u).unwrap();
+            let unit = unit(0.0);
+            let parts: Vec<(&dyn Technique<Point = f64>, f64)> = vec![(&unit, 0.5), (&poison, 0.5)];
+            let ln_pdf = Mixture::new(parts).unwrap().ln_pdf(&0.5);
+            assert!(ln_pdf.is_nan() || ln_pdf == f64::INFINITY, "{ln_pdf}");
+        }
+    }
+
+    #[test]
     fn logarithms_carry_densities_that_underflow() {
         let normal =
             |mean| Statrs::new(statrs::distribution::Normal::new(mean, 1.0).unwrap()).unwrap();

@@ -203,6 +203,18 @@ pub fn canonical(xi: &[f64], d: usize) -> f64 {
     }
 }
 
+/// Two masses of sum 1 from roundings of both, whose errors partly cancel in the quotients.
+fn split(below: f64, above: f64) -> (f64, f64) {
+    let sum = below + above;
+    if below < above {
+        let below = below / sum;
+        (below, 1.0 - below)
+    } else {
+        let above = above / sum;
+        (1.0 - above, above)
+    }
+}
+
 macro_rules! forward {
     ($([$($lifetime:lifetime)?] $pointer:ty),*) => {$(
         impl<$($lifetime,)? T: Technique + ?Sized> Technique for $pointer where $pointer: Sync {

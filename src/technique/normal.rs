@@ -76,6 +76,11 @@ impl Technique for Normal {
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
+        // Where sd is huge or tiny, the logarithms of the factors cancel.
+        let p = self.pdf(x);
+        if p.is_normal() {
+            return p.ln();
+        }
         let z = self.z(*x);
         -0.5 * z * z - 0.5 * TAU.ln() - self.sd.ln()
     }

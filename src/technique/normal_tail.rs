@@ -14,7 +14,7 @@ pub(super) fn inverse_upper_tail(v: f64) -> f64 {
 
 /// Distances d where |z| d + d²/2 <= 1.
 pub(super) fn series_limit(z: f64) -> f64 {
-    2.0 / (z.abs() + (z * z + 2.0).sqrt())
+    2.0 / (z.abs() + z.hypot(SQRT_2)) // z² may overflow
 }
 
 /// ∫ e^(-z t - t²/2) dt from 0 to d: the Taylor series at 0, whose coefficients are Hermite

@@ -254,6 +254,12 @@ mod tests {
     }
 
     #[test]
+    fn a_cdf_that_overshoots_stays_a_probability() {
+        let p = NumericInverse::new([0.0, 1.0], |_| 1.0, |x| x * (1.0 + 1e-13)).unwrap();
+        assert_eq!((p.cdf(1.0_f64.next_down()), p.survival(1.0_f64.next_down())), (1.0, 0.0));
+    }
+
+    #[test]
     fn errors_name_argument_value_and_rule() {
         let message = |support, cdf: fn(f64) -> f64| {
             NumericInverse::new(support, |_| 1.0, cdf).unwrap_err().to_string()

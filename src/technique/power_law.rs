@@ -77,7 +77,7 @@ impl PowerLaw {
 
     /// The distances of ln x to the dense and to the thin end.
     fn distances(&self, x: f64) -> (f64, f64) {
-        let x = x.clamp(self.lo, self.hi);
+        let x = x.clamp(self.lo, self.hi).abs(); // -0 is 0
         let (below, above) = (ln_ratio(x, self.lo), ln_ratio(self.hi, x));
         if self.grows { (above, below) } else { (below, above) }
     }
@@ -91,6 +91,13 @@ impl PowerLaw {
     fn ln_power(&self, x: f64) -> f64 {
         let distance = self.distances(x).0;
         if self.grows { -self.exponent * distance } else { self.exponent * distance }
+    }
+
+    /// The masses below and above `x`.
+    fn masses(&self, x: f64) -> (f64, f64) {
+        let (dense, thin) = self.distances(x);
+        let (dense, thin) = self.decay.masses(dense, thin);
+        if self.grows { (thin, dense) } else { (dense, thin) }
     }
 
     /// The x with the mass `below` under it and `above` = 1 - `below` over it.
@@ -183,6 +190,11 @@ impl Technique for PowerLaw {
         if !(self.lo <= *x && *x <= self.hi) {
             return f64::NEG_INFINITY;
         }
+        // Where x is huge or tiny, the logarithms of the two factors cancel.
+        let p = self.pdf(x);
+        if p.is_normal() {
+            return p.ln();
+        }
         let x = x.max(f64::MIN_POSITIVE);
         self.decay.ln_density(self.distances(x).0) - x.ln()
     }
@@ -190,8 +202,7 @@ impl Technique for PowerLaw {
 
 impl InverseCdf for PowerLaw {
     fn cdf(&self, x: f64) -> f64 {
-        let (dense, thin) = self.distances(x);
-        if self.grows { self.decay.thin_mass(dense, thin) } else { self.decay.dense_mass(dense) }
+        self.masses(x).0
     }
 
     fn inverse_cdf(&self, u: f64) -> f64 {
@@ -199,8 +210,7 @@ impl InverseCdf for PowerLaw {
     }
 
     fn survival(&self, x: f64) -> f64 {
-        let (dense, thin) = self.distances(x);
-        if self.grows { self.decay.dense_mass(dense) } else { self.decay.thin_mass(dense, thin) }
+        self.masses(x).1
     }
 
     fn inverse_survival(&self, v: f64) -> f64 {
@@ -243,6 +253,13 @@ mod tests {
         let p = PowerLaw::new(-0.1, 0.0, 1e300).unwrap();
         let expected = 0.9 * 1e-270 * 1e30;
         assert!((p.pdf(&1e-300) / expected - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn negative_zero_is_zero() {
+        let p = PowerLaw::new(1.0, 0.0, 2.0).unwrap();
+        assert_eq!((p.cdf(-0.0), p.survival(-0.0)), (0.0, 1.0));
+        assert_eq!(p.pdf(&-0.0), p.pdf(&0.0));
     }
 
     #[test]

@@ -238,7 +238,7 @@ fn ln_density<T: InverseCdf>(coordinates: &[T], x: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Affine, Technique};
+    use super::super::{Affine, FnTechnique, Technique};
     use super::*;
 
     #[test]
@@ -279,6 +279,15 @@ mod tests {
             let x = p.sample(&[0.5; 4]);
             assert!((p.pdf(&x) - 1.0).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn outside_one_support_is_outside_whatever_the_others() {
+        let pole = FnTechnique::new([0.0, 1.0], |x| 0.5 / x.sqrt(), f64::sqrt, |u| u * u).unwrap();
+        let unit = Uniform::unit();
+        let coordinates: [&dyn InverseCdf; 2] = [&pole, &unit];
+        let p = Product::new(coordinates).unwrap();
+        assert_eq!((p.pdf(&[0.0, 2.0]), p.ln_pdf(&[0.0, 2.0])), (0.0, f64::NEG_INFINITY));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The Cauchy density, cut to an interval.
 
 use super::cauchy::{density, ln_density, representable};
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, canonical, split};
 use crate::error::{ArgumentError, finite, greater, positive};
 
 /// The Cauchy density cut to \[a, b\], with respect to length; either end may be infinite.
@@ -102,6 +102,11 @@ impl End {
         distance.atan2(self.one + self.t * z)
     }
 
+    /// The part of the mass between the edge and x.
+    fn mass_to(&self, x: f64, scale: f64) -> f64 {
+        if x == f64::NEG_INFINITY { 0.0 } else { self.angle_to(x, scale) / self.angle }
+    }
+
     /// The x with atan(z) - atan(t) = `angle`.
     fn place(&self, angle: f64, scale: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
@@ -131,6 +136,12 @@ impl TruncatedCauchy {
             -self.upper.place(above * self.upper.angle, self.scale)
         };
         x.clamp(a, b)
+    }
+
+    /// The masses below and above `x`.
+    fn masses(&self, x: f64) -> (f64, f64) {
+        let x = x.clamp(self.lower.edge, -self.upper.edge);
+        split(self.lower.mass_to(x, self.scale), self.upper.mass_to(-x, self.scale))
     }
 
     fn contains(&self, x: f64) -> bool {
@@ -170,11 +181,7 @@ impl Technique for TruncatedCauchy {
 
 impl InverseCdf for TruncatedCauchy {
     fn cdf(&self, x: f64) -> f64 {
-        let x = x.clamp(self.lower.edge, -self.upper.edge);
-        if x == f64::NEG_INFINITY {
-            return 0.0;
-        }
-        (self.lower.angle_to(x, self.scale) / self.lower.angle).min(1.0)
+        self.masses(x).0
     }
 
     fn inverse_cdf(&self, u: f64) -> f64 {
@@ -182,11 +189,7 @@ impl InverseCdf for TruncatedCauchy {
     }
 
     fn survival(&self, x: f64) -> f64 {
-        let x = -x.clamp(self.lower.edge, -self.upper.edge);
-        if x == f64::NEG_INFINITY {
-            return 0.0;
-        }
-        (self.upper.angle_to(x, self.scale) / self.upper.angle).min(1.0)
+        self.masses(x).1
     }
 
     fn inverse_survival(&self, v: f64) -> f64 {
@@ -197,6 +200,12 @@ impl InverseCdf for TruncatedCauchy {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_mass_below_nan_is_nan() {
+        let p = TruncatedCauchy::new(0.0, 1.0, -1.0, 2.0).unwrap();
+        assert!(p.cdf(f64::NAN).is_nan() && p.survival(f64::NAN).is_nan());
+    }
 
     #[test]
     fn wrong_arguments_are_named() {

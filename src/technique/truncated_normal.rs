@@ -3,7 +3,7 @@
 use super::normal_tail::{
     inverse_series, inverse_upper_tail, mills, series, series_limit, upper_tail,
 };
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, canonical, split};
 use crate::error::{ArgumentError, finite, greater, positive};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 
@@ -169,6 +169,16 @@ impl TruncatedNormal {
         self.a + self.sd * self.off_peak(below, above)
     }
 
+    /// `x` after one Newton step towards the masses `below` and `above`, unless the density
+    /// changes over the step, as it does where sd is less than the spacing of the floats.
+    fn polish(&self, x: f64, below: f64, above: f64) -> f64 {
+        let (low, high) = self.masses(x);
+        let excess = if below < above { low - below } else { above - high };
+        let step = excess * self.total / self.ln_shape(x).exp();
+        let slope = 1.0 + ((x - self.mean) / self.sd).abs();
+        if step.abs() * slope < 1e-6 { x - self.sd * step } else { x }
+    }
+
     /// The distance d to a in standard deviations, for α > 0: the root of
     /// ln(tail(α + d) / tail(α)) = ln(1 - `below` total / tail(α)).
     fn off_peak(&self, below: f64, above: f64) -> f64 {
@@ -181,7 +191,8 @@ impl TruncatedNormal {
             (above + below * last).ln()
         };
         let mut d = if alpha < 4.0 {
-            inverse_upper_tail(target.exp() * upper_tail(alpha)) - alpha
+            let tail = target.exp() * upper_tail(alpha);
+            inverse_upper_tail(tail.max(f64::MIN_POSITIVE)) - alpha // it may underflow
         } else {
             -2.0 * target / (alpha + (alpha * alpha - 2.0 * target).sqrt())
         };
@@ -207,7 +218,7 @@ impl TruncatedNormal {
         } else if above == 0.0 {
             self.b
         } else {
-            self.place(below, above).clamp(self.a, self.b)
+            self.polish(self.place(below, above), below, above).clamp(self.a, self.b)
         };
         self.mirror(x)
     }
@@ -228,8 +239,7 @@ impl TruncatedNormal {
         let at = Score { z: (x - self.mean) / self.sd, shape: self.ln_shape(x).exp() };
         let below = self.mass(self.alpha, at, (x - self.a) / self.sd) / self.total;
         let above = self.mass(at, self.beta, (self.b - x) / self.sd) / self.total;
-        // Of two roundings of the same split, the smaller part has the smaller error.
-        if below < above { (below, 1.0 - below) } else { (1.0 - above, above) }
+        split(below, above)
     }
 }
 
@@ -256,8 +266,12 @@ impl Technique for TruncatedNormal {
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
+        // Where sd is huge or tiny, the logarithms of the factors cancel.
+        let p = self.pdf(x);
         let x = self.mirror(*x);
-        if self.a <= x && x <= self.b {
+        if p.is_normal() {
+            p.ln()
+        } else if self.a <= x && x <= self.b {
             self.ln_shape(x) - self.total.ln() - self.sd.ln()
         } else {
             f64::NEG_INFINITY
@@ -288,6 +302,30 @@ impl InverseCdf for TruncatedNormal {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_smallest_probability_has_a_place() {
+        let p = TruncatedNormal::new(0.0, 1.0, 2.85, f64::INFINITY).unwrap();
+        let x = p.inverse_survival(5e-324);
+        assert!((x - 38.6).abs() < 0.1, "{x}");
+    }
+
+    #[test]
+    fn a_spread_below_the_spacing_of_the_floats() {
+        let mean = 8e-4;
+        let p = TruncatedNormal::new(mean, 2.5e-20, -0.25, f64::INFINITY).unwrap();
+        for u in [1e-16, 5e-4, 0.3, 0.994] {
+            assert!((p.inverse_cdf(u) - mean).abs() <= 4e-19, "{u}");
+        }
+    }
+
+    #[test]
+    fn a_window_so_far_off_that_the_square_of_its_score_overflows() {
+        let p = TruncatedNormal::new(-1e242, 1.0, 0.0, f64::INFINITY).unwrap();
+        for u in [1e-30, 1e-10, 0.3, 0.9] {
+            assert!((p.cdf(p.inverse_cdf(u)) - u).abs() <= 4.0 * f64::EPSILON * u, "{u}");
+        }
+    }
 
     #[test]
     fn wrong_arguments_are_named() {
