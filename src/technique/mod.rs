@@ -151,8 +151,8 @@ pub trait Technique: Sync {
 
 /// A technique on the real line whose [`sample`](Technique::sample) is the inverse CDF.
 ///
-/// Laws: `cdf` does not decrease, from 0 to 1; `cdf(inverse_cdf(u)) = u` and
-/// `survival(inverse_survival(v)) = v` to rounding.
+/// Laws, to rounding: `cdf` and `inverse_cdf` do not decrease; `cdf` goes from 0 to 1;
+/// `cdf(inverse_cdf(u)) = u` and `survival(inverse_survival(v)) = v`.
 pub trait InverseCdf: Technique<Point = f64> {
     /// P(x) = ∫ p from the lower end of the support to `x`.
     fn cdf(&self, x: f64) -> f64;

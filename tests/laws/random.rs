@@ -1,11 +1,8 @@
 //! The laws at parameters drawn at random, from a fixed seed.
 //!
-//! `cargo test --test random_laws` draws a few and uses few samples; the battery at 1e6 is
-//! `cargo test --release --test random_laws -- --ignored`.
+//! A few draws and few samples by default; 1e6 samples in the ignored battery.
 
-mod common;
-
-use common::laws::{LawOptions, canonical_numbers, check};
+use crate::common::laws::{LawOptions, canonical_numbers, check};
 use mis::technique::{
     Affine, Cauchy, Exponential, InverseCdf, Linear, Normal, PowerLaw, Technique, TruncatedCauchy,
     TruncatedNormal, Uniform,
