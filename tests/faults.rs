@@ -128,51 +128,46 @@ fn a_sampler_that_disagrees_with_its_pdf_shows_in_the_densities() {
     assert!(z(0.9).abs() > 5.0 && z(1.1).abs() > 5.0, "{} {}", z(0.9), z(1.1));
 }
 
+/// A uniform technique with a batch method of its own.
+struct Batch(fn(&[f64], &mut Vec<f64>));
+
+impl Technique for Batch {
+    type Point = f64;
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn sample(&self, xi: &[f64]) -> f64 {
+        canonical(xi, 0)
+    }
+
+    fn pdf(&self, _: &f64) -> f64 {
+        1.0
+    }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        (self.0)(xi, xs);
+    }
+}
+
 /// A batch method that makes too few points is found out, not averaged over.
 #[test]
 fn a_short_batch_is_an_error() {
-    struct Short;
-    impl Technique for Short {
-        type Point = f64;
-        fn dimension(&self) -> usize {
-            1
-        }
-        fn sample(&self, xi: &[f64]) -> f64 {
-            canonical(xi, 0)
-        }
-        fn pdf(&self, _: &f64) -> f64 {
-            1.0
-        }
-        fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
-            xs.clear();
-            xs.extend(xi.iter().skip(1));
-        }
-    }
-    let error = fault(&Short, &|x: &f64| *x);
-    let expected = EstimateError::Batch { technique: 0, asked: 3, sampled: 2 };
-    assert_eq!(error, expected);
+    let short = Batch(|xi, xs| {
+        xs.clear();
+        xs.extend(&xi[1..]);
+    });
+    let error = fault(&short, &|x: &f64| *x);
+    assert_eq!(error, EstimateError::Batch { technique: 0, asked: 3, sampled: 2 });
     assert!(error.to_string().contains("made 2 points from numbers for 3"), "{error}");
 }
 
+/// One that appends would use the points of the first block for ever.
 #[test]
 fn a_batch_that_is_appended_is_an_error() {
-    struct Appends;
-    impl Technique for Appends {
-        type Point = f64;
-        fn dimension(&self) -> usize {
-            1
-        }
-        fn sample(&self, xi: &[f64]) -> f64 {
-            canonical(xi, 0)
-        }
-        fn pdf(&self, _: &f64) -> f64 {
-            1.0
-        }
-        fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
-            xs.extend_from_slice(xi);
-        }
-    }
-    let mis = MultiSample::new(&[(&Appends, 5000)]).unwrap();
+    let appended = Batch(|xi, xs| xs.extend_from_slice(xi));
+    let mis = MultiSample::new(&[(&appended, 5000)]).unwrap();
     let error = mis.estimate(&|x: &f64| *x, 1).unwrap_err();
     assert!(matches!(error, EstimateError::Batch { technique: 0, .. }), "{error}");
 }
