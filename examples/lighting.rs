@@ -144,6 +144,7 @@ fn table<B: Bsdf<Value = f64>>(
     );
     let mut first = None;
     for (seed, (name, run)) in (1..).zip(&rows) {
+        run(seed)?; // warms up caches and branch prediction
         let start = Instant::now();
         let estimate = run(seed)?;
         let seconds = start.elapsed().as_secs_f64();

@@ -6,11 +6,11 @@
 //! - growth towards the upper corner, `Π e^(-λ_d (1 - t_d))` with `λ_d = 5 / d`,
 //!
 //! over the volume 10^D. Each function can be sampled, coordinate by coordinate, but neither
-//! technique suits the product: the first misses the growth; the second, like uniform points, misses
-//! the pole, and its variance is infinite. Combined, they do.
+//! technique suits the product: the first misses the growth; the second, like uniform points,
+//! misses the pole, and its variance is infinite. Combined, they do.
 //!
-//! D is fixed first (points `[f64; D]`), then given at run time (`Vec<f64>`), then 1000, where every
-//! density is 0 in `f64` and the estimators turn to logarithms.
+//! D is fixed first (points `[f64; D]`), then given at run time (`Vec<f64>`), then 1000, where
+//! every density is 0 in `f64` and the estimators turn to logarithms.
 //!
 //! `cargo run --release --example product_nd` or `... --example product_nd -- 12` for another D.
 
@@ -141,7 +141,7 @@ where
 {
     let both = || MultiSample::new(&[(pole, n / 2), (growth, n / 2)]);
     let one_sample = OneSample::new(&[(pole, 0.5), (growth, 0.5)], n)?;
-    println!("{n} samples a row; exact value {exact}\n");
+    println!("{n} samples a row; exact value {exact:.12e}\n");
     println!("{:<22} {:>16} {:>10} {:>7} {:>10}", "", "estimate", "error", "z", "variance");
 
     let infinite = f64::INFINITY;

@@ -4,8 +4,9 @@ use crate::error::ArgumentError;
 
 /// K probabilities and their running sums.
 ///
-/// `select(u)` is k for u from P₀ + ... + Pₖ₋₁, included, to P₀ + ... + Pₖ, excluded, so it is k with
-/// probability Pₖ. Where rounding lets the sums end below 1, the last alternative with P > 0 takes the rest.
+/// `select(u)` is k for u from P₀ + ... + Pₖ₋₁, included, to P₀ + ... + Pₖ, excluded, so it is k
+/// with probability Pₖ. Where rounding lets the sums end below 1, the last alternative with P > 0
+/// takes the rest.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Discrete {
     probabilities: Vec<f64>,
@@ -54,8 +55,9 @@ impl Discrete {
                 Err(ArgumentError::new(owner, argument, probabilities, rule))
             }
             _ => {
-                let rule = format!("it must be 1 to within {tolerance:e}");
-                Err(ArgumentError::new(owner, format!("sum of {argument}"), sum, rule))
+                let rule =
+                    format!("their sum must be 1 to within {tolerance:e}, and it is {sum:?}");
+                Err(ArgumentError::new(owner, argument, probabilities, rule))
             }
         }
     }
@@ -131,8 +133,8 @@ mod tests {
             assert!(Discrete::new("Test", "p", &p).is_ok());
             p[0] += 20.0 * k as f64 * f64::EPSILON;
             let error = Discrete::new("Test", "p", &p).unwrap_err();
-            assert_eq!((error.owner(), error.argument()), ("Test", "sum of p"));
-            assert!(error.rule().starts_with("it must be 1 to within "));
+            assert_eq!((error.owner(), error.argument()), ("Test", "p"));
+            assert!(error.rule().starts_with("their sum must be 1 to within "));
         }
     }
 
@@ -146,7 +148,7 @@ mod tests {
         );
         assert!(message(&[0.5, f64::NAN]).contains("`p[1]` is NaN"));
         assert!(message(&[f64::INFINITY]).contains("`p[0]` is inf"));
-        assert!(message(&[0.0, 0.0]).contains("`sum of p` is 0.0"));
-        assert!(message(&[0.5, 0.25]).contains("`sum of p` is 0.75"));
+        assert!(message(&[0.0, 0.0]).contains("and it is 0.0"));
+        assert!(message(&[0.5, 0.25]).contains("and it is 0.75"));
     }
 }

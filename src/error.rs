@@ -36,7 +36,7 @@ impl ArgumentError {
         Self {
             owner: owner.into(),
             argument: argument.into(),
-            value: format!("{value:?}"),
+            value: shortened(&value),
             rule: rule.into(),
         }
     }
@@ -53,7 +53,7 @@ impl ArgumentError {
         &self.argument
     }
 
-    /// The argument's value, as `Debug` prints it.
+    /// The argument's value, as `Debug` prints it, cut after 300 characters.
     #[must_use]
     pub fn value(&self) -> &str {
         &self.value
@@ -83,7 +83,7 @@ pub enum EstimateError {
         sample: u64,
         /// The point, as `Debug` prints it, cut after 300 characters.
         point: String,
-        /// The value, as `Debug` prints it.
+        /// The value, as `Debug` prints it, cut after 300 characters.
         value: String,
     },
     /// A pdf is 0 or infinite at its own technique's sample, or negative or NaN at any sample.
@@ -139,21 +139,22 @@ pub enum EstimateError {
 /// What is wrong with a sample.
 #[derive(Debug)]
 pub(crate) enum Fault {
-    Value(String),
+    Value,
     Density { of: usize, pdf: f64 },
     Contribution(f64),
 }
 
 impl EstimateError {
-    pub(crate) fn new(technique: usize, sample: u64, x: &impl Debug, fault: Fault) -> Self {
-        let mut point = format!("{x:?}");
-        // A point may have thousands of coordinates.
-        if let Some((end, _)) = point.char_indices().nth(300) {
-            point.truncate(end);
-            point.push('…');
-        }
+    pub(crate) fn new(
+        technique: usize,
+        sample: u64,
+        x: &impl Debug,
+        value: &impl Debug,
+        fault: Fault,
+    ) -> Self {
+        let point = shortened(x);
         match fault {
-            Fault::Value(value) => Self::Value { technique, sample, point, value },
+            Fault::Value => Self::Value { technique, sample, point, value: shortened(value) },
             Fault::Density { of, pdf } => {
                 Self::Density { technique: of, sampled_by: technique, sample, point, pdf }
             }
@@ -162,6 +163,16 @@ impl EstimateError {
             }
         }
     }
+}
+
+/// `x` as `Debug` prints it, cut after 300 characters: it may have thousands of coordinates.
+fn shortened(x: &impl Debug) -> String {
+    let mut text = format!("{x:?}");
+    if let Some((end, _)) = text.char_indices().nth(300) {
+        text.truncate(end);
+        text.push('…');
+    }
+    text
 }
 
 /// `value`, if it is finite.

@@ -5,7 +5,8 @@ use std::fmt::Debug;
 /// A function f of a point, to be integrated.
 ///
 /// Closures `|x: &P| value` are integrands. Write the argument's type out: the compiler cannot
-/// infer it.
+/// infer it ("implementation of `FnOnce` is not general enough"). A boxed integrand is passed as
+/// `&*boxed`.
 ///
 /// A type of your own can implement the trait, for instance to evaluate a whole batch at once:
 ///
@@ -46,7 +47,45 @@ impl<P, V: Value, F: Fn(&P) -> V> Integrand<P> for F {
 
 /// What an integrand returns: `f64`, `[f64; K]` (a colour, several integrals), or [`LnValue`].
 ///
-/// A value has components; each gets an estimate and an error of its own.
+/// A value has components; each gets an estimate and an error of its own. A type of your own can
+/// be a value as well:
+///
+/// ```
+/// use mis::{Estimator, MultiSample, Value, technique::Uniform};
+///
+/// #[derive(Debug, Clone)]
+/// struct Complex {
+///     re: f64,
+///     im: f64,
+/// }
+///
+/// impl Value for Complex {
+///     const COMPONENTS: usize = 2;
+///     type Each<U> = [U; 2]; // re, im
+///     fn each<U>(of: impl FnMut(usize) -> U) -> [U; 2] {
+///         std::array::from_fn(of)
+///     }
+///     fn zero() -> Self {
+///         Complex { re: 0.0, im: 0.0 }
+///     }
+///     fn is_finite(&self) -> bool {
+///         self.re.is_finite() && self.im.is_finite()
+///     }
+///     fn times(&self, component: usize, factor: f64) -> f64 {
+///         [self.re, self.im].times(component, factor)
+///     }
+///     fn times_exp(&self, component: usize, ln_factor: f64) -> f64 {
+///         [self.re, self.im].times_exp(component, ln_factor)
+///     }
+/// }
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let p = Uniform::new(0.0, std::f64::consts::PI)?;
+/// let f = |t: &f64| Complex { re: t.cos(), im: t.sin() };
+/// let [re, im] = MultiSample::new(&[(&p, 10_000)])?.estimate(&f, 1)?.value();
+/// assert!(re.abs() < 0.1 && (im - 2.0).abs() < 0.1);
+/// # Ok(())
+/// # }
+/// ```
 pub trait Value: Clone + Debug {
     /// How many components a value has.
     const COMPONENTS: usize;
@@ -54,7 +93,8 @@ pub trait Value: Clone + Debug {
     /// One `U` a component: `U` for a scalar, `[U; K]` for an array.
     type Each<U>;
 
-    /// Collects what `of` says of the components 0, 1, … up to `COMPONENTS` - 1, called in that order.
+    /// Collects what `of` says of the components 0, 1, … up to `COMPONENTS` - 1, called in that
+    /// order.
     fn each<U>(of: impl FnMut(usize) -> U) -> Self::Each<U>;
 
     /// The value 0.

@@ -5,12 +5,12 @@ use crate::lanes;
 /// Count, mean and squared deviations of the contributions y of one technique, one component.
 ///
 /// A block of n is summed about its first element y_0, in lanes: M2 = Σ d² - (Σ d)² / n with
-/// d = y - y_0. As y_0 is one of the block, M2 is at least 1 / (n - 1) of what is subtracted, so that
-/// at most the digits of n are lost, and the difference is never negative; blocks merge by the update of T. F. Chan, G. H. Golub and R. J.
-/// LeVeque, *Algorithms for Computing the Sample Variance*, 1983, doi:10.1080/00031305.1983.10483115.
-/// Equal numbers so have a variance of exactly 0, and a large offset costs no digits. Sums are
-/// not compensated: an error of a few ULP of the largest contribution is far below the sampling
-/// error.
+/// d = y - y_0. As y_0 is one of the block, M2 is at least 1 / (n - 1) of what is subtracted, so
+/// that at most the digits of n are lost, and the difference is never negative; blocks merge by the
+/// update of T. F. Chan, G. H. Golub and R. J. LeVeque, *Algorithms for Computing the Sample
+/// Variance*, 1983, doi:10.1080/00031305.1983.10483115. Equal numbers so have a variance of exactly
+/// 0, and a large offset costs no digits. Sums are not compensated: an error of a few ULP of the
+/// largest contribution is far below the sampling error.
 ///
 /// M2 is held in units of 4^`exponent`, so that contributions near the ends of the range of `f64`
 /// have a standard error although their variance is not representable.

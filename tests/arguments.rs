@@ -46,8 +46,8 @@ fn no_samples() {
 fn probabilities_that_are_none() {
     let p = unit();
     let new = |a: f64, b: f64| OneSample::new(&[(&p, a), (&p, b)], 10);
-    assert_names(new(0.5, 0.25), "OneSample", "sum of probabilities", "0.75");
-    assert_names(new(0.0, 0.0), "OneSample", "sum of probabilities", "0.0");
+    assert_names(new(0.5, 0.25), "OneSample", "probabilities", "[0.5, 0.25]");
+    assert_names(new(0.0, 0.0), "OneSample", "probabilities", "[0.0, 0.0]");
     assert_names(new(1.5, -0.5), "OneSample", "probabilities[1]", "-0.5");
     assert_names(new(1.0, f64::NAN), "OneSample", "probabilities[1]", "NaN");
     assert_names(new(f64::INFINITY, 0.0), "OneSample", "probabilities[0]", "inf");

@@ -95,8 +95,8 @@ fn intervals_cover_at_their_level_with_full_ensembles() {
 
 /// Normal contributions, for which the distribution of the error is known. The expected coverages
 /// are integrals over the χ² of both sample variances of P(|Z| ≤ t √(reported / actual variance)),
-/// t the quantile at the degrees of freedom of Welch and Satterthwaite. With N - K degrees of freedom
-/// the first case would cover .502, .704, .770 and the second .633, .898, .963.
+/// t the quantile at the degrees of freedom of Welch and Satterthwaite. With N - K degrees of
+/// freedom the first case would cover .502, .704, .770 and the second .633, .898, .963.
 fn normal_contributions(seeds: u64) {
     let standard = Normal::standard();
     // Both techniques are the same: only counts and weights differ.

@@ -112,7 +112,8 @@ fn a_contribution_beyond_the_range_is_an_error_not_an_infinity() {
 
 #[test]
 fn a_sampler_that_disagrees_with_its_pdf_shows_in_the_densities() {
-    // Under balance weights every pdf integrates to 1; one whose samples are 10 % too wide does not.
+    // Under balance weights every pdf integrates to 1; one whose samples are 10 % too wide does
+    // not.
     let wrong = |width: f64| Raw {
         sample: move |u: f64| if u < 0.5 { (2.0 * u).ln() } else { -(2.0 * (1.0 - u)).ln() },
         pdf: move |x: f64| 0.5 / width * (-x.abs() / width).exp(),

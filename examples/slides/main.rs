@@ -22,11 +22,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (number, printed) in PRINTED.iter().enumerate() {
         let (rows, estimate) = table(number, &XI)?;
         println!("{}; in brackets, what the slides print\n", printed.title);
-        print!("    ξ  ");
-        for column in printed.columns {
-            print!(" {column:^16}");
-        }
-        println!();
+        let columns: String = printed.columns.iter().map(|name| format!(" {name:^16}")).collect();
+        println!("    ξ  {}", columns.trim_end());
         for ((xi, row), printed_row) in XI.iter().zip(&rows).zip(printed.rows) {
             print!("  {xi:.3}");
             for (ours, theirs) in row.iter().zip(printed_row) {
@@ -64,7 +61,9 @@ fn variances() -> Result<(), Box<dyn Error>> {
     let one = || OneSample::new(&[(&p1, 0.5), (&p2, 0.5)], n);
     let balance = SQRT_2 * (1.0 + SQRT_2).ln() / 4.0 - 7.0 / 24.0;
 
-    println!("Variance of one sample of each technique (of one sample, in the one-sample model)\n");
+    println!(
+        "Variance for one sample of each technique; in the one-sample model, for one sample\n"
+    );
     println!(
         "  {:24} {:>12} {:>12} {:>6} {:>12} {:>8}",
         "estimator", "exact", "measured", "z", "reported", "mean, z"
@@ -87,9 +86,11 @@ fn variances() -> Result<(), Box<dyn Error>> {
     row("one-sample p_i / Σ p_k", 2.0 * balance, &one()?.weights_without_probabilities())?;
     row("one-sample power 2", 23.0 / 420.0, &one()?.weighting(Power::squared())?)?;
     println!(
-        "\n  measured: the variance of {ESTIMATES} estimates; reported: the mean of the variances that the\n  \
-         estimates report; z: distance in standard errors. Sample for sample, either pdf alone (0.083)\n  \
-         is worse than the uniform one (0.058), and both together, balanced (2 x 0.020), are better."
+        "\n  measured: from {ESTIMATES} estimates with {n} samples of each technique ({n} in all in the one-sample\n  \
+         model), their variance times {n}; reported: the mean of the variances that they report, times {n};\n  \
+         z: distance in standard errors. The rows of cos and sin are mirror images from the same seeds;\n  \
+         with equal probabilities the two one-sample weights are the same. Sample for sample, either pdf\n  \
+         alone (0.083) is worse than the uniform one (0.058), and both, balanced (2 x 0.020), are better."
     );
     Ok(())
 }

@@ -17,8 +17,8 @@ use crate::moments::{Accumulator, Extreme, Moments};
 /// as a number for scalar integrands, as an array for arrays.
 ///
 /// `Display` prints the value with its standard error in brackets, in units of the last digits:
-/// `0.50012(21)` is 0.50012 ± 0.00021; `0.5(?)` has an unknown error. A precision sets the digits of
-/// the error: `{:.1}` prints `0.5001(2)`.
+/// `0.50012(21)` is 0.50012 ± 0.00021; `0.5(?)` has an unknown error. A precision sets the digits
+/// of the error, but for those before its decimal point: `{:.1}` prints `0.5001(2)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate<V = f64> {
     design: Design,
@@ -189,9 +189,9 @@ impl<V: Value> Estimate<V> {
         self.counts.zero
     }
 
-    /// How many samples were at points that, by its pdf, their own technique does not cover, or where
-    /// another fault of a pdf left no weight. They count as 0; by default, one is an error instead
-    /// (see [`OnFault`](crate::OnFault)).
+    /// How many samples were at points that, by its pdf, their own technique does not cover, or
+    /// where another fault of a pdf left no weight. They count as 0; by default, one is an error
+    /// instead (see [`OnFault`](crate::OnFault)).
     #[must_use]
     pub fn uncovered(&self) -> u64 {
         self.counts.uncovered

@@ -15,7 +15,8 @@ use crate::weighting::{Densities, SAFE, Weighting};
 /// What all samples of an estimate have in common.
 pub(super) struct Kernel<'a, P, W> {
     pub(super) techniques: &'a [Dyn<'a, P>],
-    /// α_i: the share n_i / N of a technique in the samples, or the probability P_i of selecting it.
+    /// α_i: the share n_i / N of a technique in the samples, or the probability P_i of selecting
+    /// it.
     pub(super) alpha: &'a [f64],
     /// a_k in the effective densities q_k = a_k p_k that the weights are made of; α_k but for the
     /// one-sample weights that ignore the probabilities.
@@ -138,7 +139,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
                 let fault = self.check(i, (&xs[j], &values[j]), rows, y, j, ratios);
                 if let Err(fault) = fault {
                     if self.on_fault == OnFault::Error {
-                        return Err(EstimateError::new(i, index(j), &xs[j], fault));
+                        return Err(EstimateError::new(i, index(j), &xs[j], &values[j], fault));
                     }
                     sums.counts.count(&fault);
                     y.chunks_exact_mut(self.block).for_each(|y| y[j] = 0.0);
@@ -197,7 +198,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         Ratios { r, ln_r }: &mut Ratios,
     ) -> Result<(), Fault> {
         if !value.is_finite() {
-            return Err(Fault::Value(format!("{value:?}")));
+            return Err(Fault::Value);
         }
         for (of, row) in pdfs.clone().enumerate() {
             let pdf = row[j];
@@ -258,7 +259,7 @@ impl Counts {
     fn count(&mut self, fault: &Fault) {
         match fault {
             Fault::Density { .. } => self.uncovered += 1,
-            Fault::Value(_) | Fault::Contribution(_) => self.non_finite += 1,
+            Fault::Value | Fault::Contribution(_) => self.non_finite += 1,
         }
     }
 }

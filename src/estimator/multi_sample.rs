@@ -14,8 +14,8 @@ use crate::weighting::{Balance, Weighting};
 
 /// The multi-sample estimator: n_i samples from each technique i, combined by a weighting.
 ///
-/// F = Σ_i 1/n_i Σ_j w_i(X_ij) f(X_ij) / p_i(X_ij), unbiased if Σ w_i = 1 wherever f ≠ 0 and w_i = 0
-/// wherever p_i = 0. Its variance is the sum of the techniques' variances, each divided by n_i.
+/// F = Σ_i 1/n_i Σ_j w_i(X_ij) f(X_ij) / p_i(X_ij), unbiased if Σ w_i = 1 wherever f ≠ 0 and w_i =
+/// 0 wherever p_i = 0. Its variance is the sum of the techniques' variances, each divided by n_i.
 /// With a single technique it is plain importance sampling. A technique with no samples takes no
 /// part: its pdf is not evaluated.
 ///
@@ -45,6 +45,20 @@ pub struct MultiSample<'a, P, W = Balance> {
 
 impl<'a, P> MultiSample<'a, P> {
     /// Techniques with their numbers of samples n_i, combined by the [balance heuristic](Balance).
+    ///
+    /// A list that is made at run time has to be told its type:
+    ///
+    /// ```
+    /// # use mis::{Estimator, MultiSample, Technique, technique::{Linear, Uniform}};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let owned: Vec<Box<dyn Technique<Point = f64>>> =
+    ///     vec![Box::new(Uniform::unit()), Box::new(Linear::new(0.0, 1.0, 0.0, 2.0)?)];
+    /// let list: Vec<(&dyn Technique<Point = f64>, u64)> =
+    ///     owned.iter().map(|technique| (technique.as_ref(), 500)).collect();
+    /// let estimate = MultiSample::new(&list)?.estimate(&|x: &f64| x.exp(), 1)?;
+    /// # Ok(())
+    /// # }
+    /// ```
     ///
     /// # Errors
     ///

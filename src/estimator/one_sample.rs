@@ -116,8 +116,8 @@ impl<'a, P, W> OneSample<'a, P, W> {
     /// Makes the weights of q_k = p_k, not of P_k p_k: the balance heuristic is then
     /// w_i = p_i / Σ p_k, and a sample contributes f / (P_i Σ p_k).
     ///
-    /// Unbiased as well. Under the balance heuristic the variance is at least that of the default, and
-    /// equal to it if the probabilities are equal.
+    /// Unbiased as well. Under the balance heuristic the variance is at least that of the default,
+    /// and equal to it if the probabilities are equal.
     #[must_use]
     pub fn weights_without_probabilities(self) -> Self {
         Self { density_factors: vec![1.0; self.techniques.len()], ..self }

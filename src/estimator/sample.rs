@@ -8,7 +8,7 @@ use crate::integrand::Value;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum OnFault {
-    /// Stop with an [`EstimateError`] that names the sample.
+    /// Stop with an [`EstimateError`](crate::EstimateError) that names the sample.
     #[default]
     Error,
     /// Let it contribute 0, and count it. The estimate is then biased by what is missing.

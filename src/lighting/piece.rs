@@ -50,8 +50,8 @@ impl Interval {
 /// The rectangle x × y at the height h, all coordinates at least 0, mirrored by the signs.
 ///
 /// Solid angles are of right-angled pieces: with b = y / √(h² + y²) and c = x / √(h² + x²), that
-/// of \[0, x\] × \[0, y\] is asin(b c). Hence A = asin(b₁ c) - asin(b₀ c) for \[0, x\] × \[y₀, y₁\];
-/// solved for x, with B the solid angle of \[x, ∞) × \[y₀, y₁\] and γ = atan(h / y₁),
+/// of \[0, x\] × \[0, y\] is asin(b c). Hence A = asin(b₁ c) - asin(b₀ c) for \[0, x\] × \[y₀,
+/// y₁\]; solved for x, with B the solid angle of \[x, ∞) × \[y₀, y₁\] and γ = atan(h / y₁),
 ///
 /// x = h sin A / (2 √(sin(B/2) sin(A + B/2) sin(γ + B/2) sin(γ + A + B/2))).
 #[derive(Debug, Clone, Copy, PartialEq)]

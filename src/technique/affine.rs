@@ -5,9 +5,9 @@ use crate::error::{ArgumentError, finite};
 
 /// The density of x = shift + scale · y for y from a technique T, with respect to length.
 ///
-/// With g and G the density and the CDF of T and y = (x - shift) / scale: p(x) = g(y) / |scale|, and
-/// for scale > 0 P(x) = G(y) and P⁻¹(u) = shift + scale · G⁻¹(u). A negative scale mirrors: the CDF is T's survival function,
-/// and the inverse CDF its inverse.
+/// With g and G the density and the CDF of T and y = (x - shift) / scale: p(x) = g(y) / |scale|,
+/// and for scale > 0 P(x) = G(y) and P⁻¹(u) = shift + scale · G⁻¹(u). A negative scale mirrors: the
+/// CDF is T's survival function, and the inverse CDF its inverse.
 ///
 /// ```
 /// use mis::technique::{Affine, InverseCdf, Technique, Uniform};

@@ -5,8 +5,8 @@ use crate::error::{ArgumentError, finite, greater};
 
 /// The exponential density of rate λ on \[a, b\], with respect to length.
 ///
-/// p(x) = λ e^(-λ (x - a)) / (1 - e^(-λ (b - a))), P(x) = (1 - e^(-λ (x - a))) / (1 - e^(-λ (b - a))),
-/// P⁻¹(u) = a - ln(1 - u (1 - e^(-λ (b - a)))) / λ.
+/// p(x) = λ e^(-λ (x - a)) / (1 - e^(-λ (b - a))), P(x) = (1 - e^(-λ (x - a))) / (1 - e^(-λ (b -
+/// a))), P⁻¹(u) = a - ln(1 - u (1 - e^(-λ (b - a)))) / λ.
 ///
 /// The rate has any sign: a negative one makes the density grow towards b, and 0 is the uniform
 /// density, which is approached continuously. Where λ > 0, b may be infinite.

@@ -10,10 +10,10 @@ use std::fmt;
 /// P⁻¹(u) is `inverse_cdf(u)`, brought back into \[a, b\] where rounding leaves it, and a and b at
 /// u = 0 and 1.
 ///
-/// The closures are trusted: they must belong together (pdf the derivative of cdf, `inverse_cdf` its
-/// increasing inverse) and must not panic, and their accuracy is the technique's. Where an inverse
-/// overshoots an end, the pdf at that end must be positive and finite. The survival function is
-/// 1 - P, so an upper tail has the absolute precision of the CDF.
+/// The closures are trusted: they must belong together (pdf the derivative of cdf, `inverse_cdf`
+/// its increasing inverse) and must not panic, and their accuracy is the technique's. Where an
+/// inverse overshoots an end, the pdf at that end must be positive and finite. The survival
+/// function is 1 - P, so an upper tail has the absolute precision of the CDF.
 ///
 /// ```
 /// use mis::technique::{FnTechnique, InverseCdf, Technique};

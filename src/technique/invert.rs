@@ -62,10 +62,10 @@ pub(super) fn inverse_survival(
 /// stretch these are the floats at its end towards the tail, so x is not in the gap). x lies
 /// strictly between a and b if a float does.
 ///
-/// The method is Newton's on ln tail, which is nearly linear in x for the usual tails, kept within a
-/// bracket. The bracket lives on the ordered bit patterns of the floats, so that halving it takes
-/// at most 64 steps from any two ends, infinite ones included. It is halved when a Newton step is not
-/// half as long as the one before, and after six that have not halved it. Hence at most 600
+/// The method is Newton's on ln tail, which is nearly linear in x for the usual tails, kept within
+/// a bracket. The bracket lives on the ordered bit patterns of the floats, so that halving it takes
+/// at most 64 steps from any two ends, infinite ones included. It is halved when a Newton step is
+/// not half as long as the one before, and after six that have not halved it. Hence at most 600
 /// evaluations, whatever the functions return, NaN included.
 pub(super) fn invert(
     side: Side,
@@ -120,7 +120,8 @@ pub(super) fn invert(
             continue;
         }
         // Newton's method has arrived, or stalls in noise. If it is near, a longer step, and longer
-        // each time, reaches the other side, so that the bracket closes; else the bracket is halved.
+        // each time, reaches the other side, so that the bracket closes; else the bracket is
+        // halved.
         last_step = f64::INFINITY;
         newton_steps = 0;
         let reach = nudge.max(moved.saturating_mul(4));

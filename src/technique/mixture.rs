@@ -286,7 +286,10 @@ mod tests {
             Mixture::new(parts).unwrap_err().to_string()
         };
         assert!(message(&[]).starts_with("Mixture: `probabilities` is [], but there must be"));
-        assert!(message(&[0.5, 0.4]).starts_with("Mixture: `sum of probabilities` is 0.9, but"));
+        assert!(
+            message(&[0.5, 0.4])
+                .starts_with("Mixture: `probabilities` is [0.5, 0.4], but their sum")
+        );
         assert!(message(&[1.5, -0.5]).contains("`probabilities[1]` is -0.5"));
         assert!(message(&[f64::NAN]).contains("`probabilities[0]` is NaN"));
         let of_len = |n| (ProductVec::new(vec![Uniform::unit(); n]).unwrap(), 0.5);

@@ -83,7 +83,8 @@ pub use uniform::Uniform;
 /// PhD thesis, Stanford University, 1997, chapter 9.
 #[doc(alias("strategy", "channel", "proposal", "distribution"))]
 pub trait Technique: Sync {
-    /// What is sampled: a number, an array, a direction, any type of yours.
+    /// What is sampled: a number, an array, a direction, any type of yours. Estimators ask that it
+    /// is `Debug`, to name a point in their errors.
     type Point;
 
     /// How many canonical numbers one sample uses; at least 1.
@@ -168,8 +169,8 @@ pub trait InverseCdf: Technique<Point = f64> {
         1.0 - self.cdf(x)
     }
 
-    /// The x where `survival(x) = v`, for v in \[0, 1\]; NaN for any other v. Override it where it is
-    /// known without computing 1 - v.
+    /// The x where `survival(x) = v`, for v in \[0, 1\]; NaN for any other v. Override it where it
+    /// is known without computing 1 - v.
     #[doc(alias = "isf")]
     fn inverse_survival(&self, v: f64) -> f64 {
         if (0.0..=1.0).contains(&v) { self.inverse_cdf(1.0 - v) } else { f64::NAN }
@@ -184,7 +185,7 @@ pub trait InverseCdf: Technique<Point = f64> {
 /// Canonical number `d` of `xi`, moved into the open unit interval.
 ///
 /// 0 becomes 2⁻⁵⁴ and 1 becomes 1 - 2⁻⁵³, so that an inverse CDF stays within an infinite
-/// support. A missing number is NaN, which an estimator reports at the density of the point.
+/// support. A missing number is NaN, and so will be the point, which an estimator reports.
 ///
 /// ```
 /// use mis::technique::canonical;

@@ -7,8 +7,9 @@ pub(super) const OWNER: &str = "PiecewiseConstant";
 
 /// A density that is constant on each of K bins, with respect to length.
 ///
-/// With the edges e₀ < e₁ < ... and Pₖ the probability of bin k: p(x) = Pₖ / (eₖ₊₁ - eₖ) on \[eₖ, eₖ₊₁),
-/// P(x) = P₀ + ... + Pₖ₋₁ + p(x) (x - eₖ), and P⁻¹ solves that in the bin which a binary search finds.
+/// With the edges e₀ < e₁ < ... and Pₖ the probability of bin k: p(x) = Pₖ / (eₖ₊₁ - eₖ) on \[eₖ,
+/// eₖ₊₁), P(x) = P₀ + ... + Pₖ₋₁ + p(x) (x - eₖ), and P⁻¹ solves that in the bin which a binary
+/// search finds.
 ///
 /// Bins of weight 0 are never sampled; the support begins and ends with bins of positive weight.
 /// The last bin includes its upper edge.
@@ -74,7 +75,7 @@ impl PiecewiseConstant {
         let largest = weights.iter().fold(0.0, |m: f64, &w| m.max(w));
         if largest == 0.0 {
             let rule = "they must not all be 0";
-            return Err(ArgumentError::new(OWNER, "weights", weights.len(), rule));
+            return Err(ArgumentError::new(OWNER, "weights", weights, rule));
         }
         // Relative to the largest, so that the sum does not overflow.
         let total = running_sums(weights.iter().map(|w| w / largest)).1;

@@ -25,10 +25,9 @@ use crate::error::{ArgumentError, finite, greater};
 /// special case but the rate 0.
 ///
 /// For lo = 0 and a close to -1, samples can be smaller than any normal number; they are rounded
-/// up to [`f64::MIN_POSITIVE`], and the density at 0 is that of the same number. That is a part
-/// (2.2e-308 / hi)^(a + 1) of them: with hi = 1, 1e-31 at a = -0.9, 8e-4 at -0.99, half at -0.999. Below
-/// about -0.99 the CDF and its inverse no longer match there, while an integrand proportional to the
-/// density is still estimated without error.
+/// up to [`f64::MIN_POSITIVE`], and the density at 0 is that of the same number. A part
+/// (2.2e-308 / hi)^(a + 1) of all samples is so small: with hi = 1, 1e-31 at a = -0.9, 8e-4 at
+/// -0.99 and half at -0.999. Above 1e-6, construction refuses: such samples would bias an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[doc(alias("power", "Pareto", "log-uniform", "reciprocal"))]
 pub struct PowerLaw {
@@ -47,8 +46,9 @@ impl PowerLaw {
     /// # Errors
     ///
     /// All arguments must be finite, lo >= 0, hi > lo, and hi > 0 a normal number; `exponent`
-    /// must be greater than -1 where lo = 0. No density may leave the range of normal numbers at
-    /// a sample.
+    /// must be greater than -1 where lo = 0, by enough that at most 1e-6 of the mass lies below the
+    /// smallest normal number (-0.98 will do where hi = 1). No density may leave the range of
+    /// normal numbers at a sample.
     pub fn new(exponent: f64, lo: f64, hi: f64) -> Result<Self, ArgumentError> {
         finite("PowerLaw", "exponent", exponent)?;
         finite("PowerLaw", "lo", lo)?;
@@ -65,6 +65,14 @@ impl PowerLaw {
         let m = exponent + 1.0;
         if lo == 0.0 && m <= 0.0 {
             let rule = "it must be greater than -1, since lo is 0";
+            return Err(ArgumentError::new("PowerLaw", "exponent", exponent, rule));
+        }
+        let below_normal = -m * ln_ratio(hi, f64::MIN_POSITIVE);
+        if lo == 0.0 && below_normal > -6.0 * std::f64::consts::LN_10 {
+            let rule = format!(
+                "{:.1e} of the mass lies below the smallest normal number; at most 1e-6 may",
+                below_normal.exp()
+            );
             return Err(ArgumentError::new("PowerLaw", "exponent", exponent, rule));
         }
         let width = if lo == 0.0 { f64::INFINITY } else { ln_ratio(hi, lo) };
@@ -267,9 +275,15 @@ mod tests {
 
     #[test]
     fn samples_do_not_underflow_to_a_point_of_infinite_density() {
-        let p = PowerLaw::new(-0.999, 0.0, 1.0).unwrap();
-        let x = p.sample(&[1e-3]);
+        let p = PowerLaw::new(-0.98, 0.0, 1.0).unwrap();
+        let x = p.sample(&[1e-12]);
         assert_eq!(x, f64::MIN_POSITIVE);
         assert!(p.pdf(&x).is_finite());
+        // More than 1e-6 of the samples so small would be a bias.
+        let error = PowerLaw::new(-0.99, 0.0, 1.0).unwrap_err();
+        assert_eq!((error.argument(), error.value()), ("exponent", "-0.99"));
+        assert!(error.rule().contains("8.4e-4 of the mass"), "{error}");
+        assert!(PowerLaw::new(-0.99, 0.0, 1e-200).is_err());
+        assert!(PowerLaw::new(-0.99, 1e-300, 1.0).is_ok());
     }
 }

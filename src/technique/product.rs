@@ -50,7 +50,8 @@ impl<T: InverseCdf, const D: usize> Product<T, D> {
 }
 
 impl<const D: usize> Product<Uniform, D> {
-    /// The uniform density on the box from `lower` to `upper`: p(x) = Π 1 / (upper\[d\] - lower\[d\]).
+    /// The uniform density on the box from `lower` to `upper`: p(x) = Π 1 / (upper\[d\] -
+    /// lower\[d\]).
     ///
     /// ```
     /// use mis::technique::{Technique, UniformBox};
@@ -137,7 +138,8 @@ impl<T: InverseCdf> ProductVec<T> {
 }
 
 impl ProductVec<Uniform> {
-    /// The uniform density on the box from `lower` to `upper`: p(x) = Π 1 / (upper\[d\] - lower\[d\]).
+    /// The uniform density on the box from `lower` to `upper`: p(x) = Π 1 / (upper\[d\] -
+    /// lower\[d\]).
     ///
     /// # Errors
     ///

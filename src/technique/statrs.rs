@@ -11,10 +11,13 @@ const LARGE: f64 = f64::from_bits((1023 + 500) << 52);
 
 /// A continuous distribution of the crate `statrs`, with respect to length.
 ///
-/// p, ln p, P and 1 - P are `statrs`' functions on the distribution's support, and 0 or 1 beyond it.
-/// The inverse is not `statrs`' own, which for several distributions panics at 0 and 1 (Laplace),
-/// may not end (those of the beta family), or cancels in the upper tail (Pareto, Exp): P is inverted
-/// below the median and 1 - P above it, as for [`NumericInverse`](super::NumericInverse).
+/// The distributions are those of `statrs` 0.19, which your crate depends on directly.
+///
+/// p, ln p, P and 1 - P are `statrs`' functions on the distribution's support, and 0 or 1 beyond
+/// it. The inverse is not `statrs`' own, which for several distributions panics at 0 and 1
+/// (Laplace), may not end (those of the beta family), or cancels in the upper tail (Pareto, Exp): P
+/// is inverted below the median and 1 - P above it, as for
+/// [`NumericInverse`](super::NumericInverse).
 ///
 /// ```
 /// use mis::technique::{InverseCdf, Statrs, Technique};
@@ -28,28 +31,29 @@ const LARGE: f64 = f64::from_bits((1023 + 500) << 52);
 ///
 /// # Numerics
 ///
-/// For 0 < u < 1, |P(x) - u| at x = P⁻¹(u) is at most 2e-13 + p(x) times the spacing of the floats at
-/// x (the outermost floats also take the mass beyond them); tested for every continuous distribution
-/// of `statrs` 0.19. The exception is `StudentsT` near its centre, where the library's CDF is a
-/// staircase: within |u - 1/2| < 1e-2 the bound is 1e-6 up to 1000 degrees of freedom. Relative to u in the lower tail and
-/// to 1 - u in the upper one the bound is 1e-12, where `statrs`' own functions keep that precision:
-/// in both tails `Normal`, `LogNormal`, `Gamma`, `Erlang`, `ChiSquared`, `Chi`, `Beta`, `StudentsT`,
-/// `Weibull`, `Gumbel`, `Laplace`, `InverseGamma`, `Levy` and `Uniform`; in the lower one
-/// `FisherSnedecor`; in the upper one `Exp` and `Pareto`; in neither `Cauchy`. One inversion takes
-/// about 5 to 20 evaluations of the CDF: 0.1 to 10 µs.
+/// For 0 < u < 1, |P(x) - u| at x = P⁻¹(u) is at most 2e-13 + p(x) times the spacing of the floats
+/// at x (the outermost floats also take the mass beyond them); tested for every continuous
+/// distribution of `statrs` 0.19. The exception is `StudentsT` near its centre, where the library's
+/// CDF is a staircase: within |u - 1/2| < 1e-2 the bound is 1e-6 up to 1000 degrees of freedom.
+/// Relative to u in the lower tail and to 1 - u in the upper one the bound is 1e-12, where
+/// `statrs`' own functions keep that precision: in both tails `Normal`, `LogNormal`, `Gamma`,
+/// `Erlang`, `ChiSquared`, `Chi`, `Beta`, `StudentsT`, `Weibull`, `Gumbel`, `Laplace`,
+/// `InverseGamma`, `Levy` and `Uniform`; in the lower one `FisherSnedecor`; in the upper one `Exp`
+/// and `Pareto`; in neither `Cauchy`. One inversion takes about 5 to 20 evaluations of the CDF: 0.1
+/// to 10 µs.
 ///
 /// These bounds are the inverse's; the accuracy of P itself is the library's. The upper tail of its
 /// `Normal`, for one, is off by 5e-11 of 1 - P at 8 standard deviations, where
 /// [`NumericInverse`](super::NumericInverse) with a better function keeps 1e-15.
 ///
 /// Where `statrs`' pdf is NaN at an end of the support, so is this one: at 0 for
-/// `Triangular(0, 1, 0)`. Samples are strictly inside the support, so no sample is such a point. Where
-/// it is infinite or NaN inside (the products of `Gamma(99, 0.06)` overflow, those far out in a tail
-/// are 0 · ∞), p is exp(ln p), or 0 if that is NaN too and P or 1 - P is 0 there or |x| is not within
-/// 2⁻⁵⁰⁰ to 2⁵⁰⁰.
+/// `Triangular(0, 1, 0)`. Samples are strictly inside the support, so no sample is such a point.
+/// Where it is infinite or NaN inside (the products of `Gamma(99, 0.06)` overflow, those far out in
+/// a tail are 0 · ∞), p is exp(ln p), or 0 if that is NaN too and P or 1 - P is 0 there or |x| is
+/// not within 2⁻⁵⁰⁰ to 2⁵⁰⁰.
 ///
-/// Where `statrs`' CDF panics (`Gamma`, where x · rate leaves the range of floats), the value is NaN
-/// if panics unwind; the search for the inverse does not go there unless the quantile is there.
+/// Where `statrs`' CDF panics (`Gamma`, where x · rate leaves the range of floats), the value is
+/// NaN if panics unwind; the search for the inverse does not go there unless the quantile is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Statrs<D> {
     distribution: D,

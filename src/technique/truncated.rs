@@ -25,11 +25,11 @@ use crate::error::{ArgumentError, greater};
 /// across it of both, so an interval in either tail keeps T's relative precision. A difference of
 /// nearly equal masses loses digits: m has the relative error ε M / m, with M the mass beyond the
 /// interval's end that is nearer to the median (or 1/2), and so have p, and the CDF near the ends.
-/// Where T's round trip is exact to ε, |P(P⁻¹(u)) - u| is at most 8 ε max(1, M / m) + p(x) times the
-/// spacing of the floats at x; a larger bound of T grows by the same factor.
-/// Construction refuses m < 2⁻³⁰ M. For a narrow interval of a smooth density another proposal is
-/// better: the uniform one, a table, or a type made for it. An end that lies in a gap of T's support
-/// can be sampled, at canonical numbers within rounding of 0 or 1; put ends where T has a density.
+/// Where T's round trip is exact to ε, |P(P⁻¹(u)) - u| is at most 8 ε max(1, M / m) + p(x) times
+/// the spacing of the floats at x; a larger bound of T grows by the same factor. Construction
+/// refuses m < 2⁻³⁰ M. For a narrow interval of a smooth density another proposal is better: the
+/// uniform one, a table, or a type made for it. An end that lies in a gap of T's support can be
+/// sampled, at canonical numbers within rounding of 0 or 1; put ends where T has a density.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truncated<T> {
     inner: T,
@@ -57,14 +57,22 @@ impl<T: InverseCdf> Truncated<T> {
         }
         greater("Truncated", "b", b, "a", a)?;
         let (low, high) = inner.support();
+        let given = [a, b];
         let (a, b) = (a.max(low), b.min(high));
         let mass = if a < b { mass_between(&inner, a, b) } else { 0.0 };
         let (below, above) = (inner.cdf(a), inner.survival(b));
         let (not_above, not_below) = (inner.cdf(b), inner.survival(a));
         let larger = not_above.min(not_below).min(0.5);
         if !(mass.is_normal() && mass > 0.0 && mass >= larger * 2.0_f64.powi(-30)) {
-            let rule = format!("it must be a normal number, and at least 2^-30 of {larger:e}");
-            return Err(ArgumentError::new("Truncated", "mass in [a, b]", mass, rule));
+            let rule = if a < b {
+                format!(
+                    "the mass there is {mass:e}; it must be a normal number, and at least 2^-30 of the \
+                     mass that it is a difference of, {larger:e}"
+                )
+            } else {
+                format!("it must overlap the support, [{low:?}, {high:?}]")
+            };
+            return Err(ArgumentError::new("Truncated", "[a, b]", given, rule));
         }
         Ok(Self { inner, a, b, below, above, not_above, not_below, mass })
     }
@@ -293,11 +301,16 @@ mod tests {
         assert_eq!(unit(1.0, 0.5), "Truncated: `b` is 0.5, but it must be greater than a = 1");
         assert!(unit(f64::NAN, 1.0).contains("`a` is NaN"));
         assert!(unit(0.0, f64::NAN).contains("`b` is NaN"));
-        assert!(unit(2.0, 3.0).contains("`mass in [a, b]` is 0.0"));
+        assert!(unit(2.0, 3.0).contains("`[a, b]` is [2.0, 3.0], but it must overlap"));
         assert!(unit(0.3, 0.3 + 1e-12).contains("2^-30 of"));
-        assert!(normal(40.0, 41.0).unwrap_err().to_string().contains("`mass in [a, b]`"));
+        assert!(
+            normal(40.0, 41.0)
+                .unwrap_err()
+                .to_string()
+                .contains("`[a, b]` is [40.0, 41.0], but the mass")
+        );
         let gap = PiecewiseConstant::new(&[0.0, 1.0, 2.0, 3.0], &[1.0, 0.0, 1.0]).unwrap();
         let error = Truncated::new(gap, 1.25, 1.75).unwrap_err();
-        assert_eq!((error.argument(), error.value()), ("mass in [a, b]", "0.0"));
+        assert_eq!((error.argument(), error.value()), ("[a, b]", "[1.25, 1.75]"));
     }
 }

@@ -1,10 +1,10 @@
 //! Estimates are unbiased and their error bars calibrated: integrands of known integral, each
 //! weighting, both estimators, from ensembles of fixed seeds.
 //!
-//! Of R estimates of n samples each: the mean is within 4.42 of its standard errors of the integral,
-//! and that standard error is small; the mean of the reported variances over the variance of the
-//! estimates is 1 to within 4.42 √((κ − 1)/R), κ being the kurtosis of the estimates, 3 if they are
-//! normal, at least.
+//! Of R estimates of n samples each: the mean is within 4.42 of its standard errors of the
+//! integral, and that standard error is small; the mean of the reported variances over the variance
+//! of the estimates is 1 to within 4.42 √((κ − 1)/R), κ being the kurtosis of the estimates, 3 if
+//! they are normal, at least.
 #![allow(clippy::unwrap_used)] // also in what the tests share
 
 mod battery;

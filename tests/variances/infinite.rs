@@ -9,8 +9,8 @@ use crate::ensemble::Any;
 use crate::example::Example;
 use crate::examples::{ENDS, example_d, example_e, normal, root};
 
-/// The variance times n that a run reports on the midpoints of n equal cells of ξ: the integral that
-/// is the variance, resolved to 1 / n in ξ.
+/// The variance times n that a run reports on the midpoints of n equal cells of ξ: the integral
+/// that is the variance, resolved to 1 / n in ξ.
 fn by_midpoints(example: &Example, weighting: &Any, n: u32) -> f64 {
     let xi: Vec<f64> = (0..n).map(|j| (f64::from(j) + 0.5) / f64::from(n)).collect();
     let points = Replay::new(vec![xi; example.techniques.len()]).unwrap();

@@ -253,9 +253,9 @@ fn variances_of_zero_are_zero() {
 }
 
 /// The schemes of V. Elvira, L. Martino, D. Luengo and M. F. Bugallo, *Generalized Multiple
-/// Importance Sampling*, 2019, doi:10.1214/18-STS668, on example A with two samples: N1 and R1 weight
-/// with a sample's own density, N3 and R3 with the whole mixture; N takes each technique once,
-/// R selects at random.
+/// Importance Sampling*, 2019, doi:10.1214/18-STS668, on example A with two samples: N1 and R1
+/// weight with a sample's own density, N3 and R3 with the whole mixture; N takes each technique
+/// once, R selects at random.
 #[test]
 fn schemes_of_generalized_mis() {
     let example = example_a();
