@@ -248,8 +248,11 @@ mod tests {
     fn from_just_inside_the_near_side_keeps_its_distance() {
         let depth = 2f64.powi(-30);
         let cone = Sphere::new((1.0 - depth) * DVec3::Z, 1.0).unwrap().seen_from(DVec3::ZERO);
-        let t = cone.unwrap().hit(&Direction::from_unit(-DVec3::Z)).unwrap();
-        assert!((t / depth - 1.0).abs() < 1e-15, "{t}");
+        let t = cone.unwrap().hit(&Direction::from_unit(DVec3::new(0.6, 0.0, -0.8))).unwrap();
+        // (r - d)(r + d) over the sum of 0.8 d and half the chord.
+        let d = 1.0 - depth;
+        let exact = depth * (2.0 - depth) / (0.8 * d + (1.0 - 0.36 * d * d).sqrt());
+        assert!((t / exact - 1.0).abs() < 1e-14, "{t}");
     }
 
     #[test]
