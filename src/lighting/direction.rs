@@ -32,7 +32,7 @@ impl Direction {
         // Scaled first, so that the squares neither overflow nor underflow.
         let scaled = vector / vector.abs().max_element();
         let unit = scaled / scaled.length();
-        if vector.is_finite() && unit.is_finite() {
+        if unit.is_finite() {
             Ok(Self(unit))
         } else {
             let rule = "it must be finite and not 0";
@@ -99,7 +99,7 @@ impl Frame {
     /// The direction at an angle θ from the axis, 1 - cos θ = `q`, turned by `turn` of a full
     /// circle.
     pub(super) fn around(&self, q: f64, turn: f64) -> Direction {
-        let sin = (q * (2.0 - q)).max(0.0).sqrt();
+        let sin = (q * (2.0 - q)).sqrt();
         let (sin_phi, cos_phi) = (std::f64::consts::TAU * turn).sin_cos();
         Direction((1.0 - q) * self.axis.0 + sin * (cos_phi * self.s + sin_phi * self.t))
     }
@@ -115,7 +115,12 @@ mod tests {
             let w = Direction::new(scale * DVec3::new(1.0, -2.0, 2.0)).unwrap();
             assert!((w.vector() - DVec3::new(1.0, -2.0, 2.0) / 3.0).length() < 4e-16);
         }
-        for bad in [DVec3::ZERO, DVec3::NAN, DVec3::new(f64::INFINITY, 0.0, 0.0)] {
+        for bad in [
+            DVec3::ZERO,
+            DVec3::NAN,
+            DVec3::new(f64::INFINITY, 0.0, 1.0),
+            DVec3::new(0.0, f64::NAN, 1.0),
+        ] {
             assert!(Direction::new(bad).is_err());
         }
     }

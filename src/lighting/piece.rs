@@ -94,7 +94,9 @@ impl Piece {
         let h = self.height;
         let a = self.before + xi0 * self.within;
         let half_b = 0.5 * (self.beyond + (1.0 - xi0) * self.within);
-        let product = (half_b.sin() * (a + half_b).sin()).sqrt()
+        // The product of the first two would underflow for a solid angle below 1e-162.
+        let product = half_b.sin().sqrt()
+            * (a + half_b).sin().sqrt()
             * ((self.gamma + half_b).sin() * (self.gamma + a + half_b).sin()).sqrt();
         let x = (0.5 * h * a.sin() / product).clamp(self.x.low, self.x.high);
 

@@ -17,38 +17,61 @@ pub struct Rectangle {
     half: [f64; 2],
 }
 
+const OWNER: &str = "Rectangle";
+
+/// The least height above the plane, in units of the largest length: the product of three such
+/// lengths is still a normal number.
+const LOWEST: f64 = 1e-100;
+
+/// The directions of two edges, made perpendicular to the rounding of a direction.
+fn axes(
+    names: [&'static str; 2],
+    x: DVec3,
+    y: DVec3,
+) -> Result<(Direction, Direction), ArgumentError> {
+    let edge = |name: &'static str, vector: DVec3| {
+        Direction::new(vector)
+            .map_err(|error| ArgumentError::new(OWNER, name, vector, error.rule().to_owned()))
+    };
+    let (along_x, along_y) = (edge(names[0], x)?, edge(names[1], y)?);
+    let cos = along_x.cos(along_y);
+    if !(cos.abs() <= 1e-12) {
+        let rule = format!("it must be perpendicular to {} = {x}", names[0]);
+        return Err(ArgumentError::new(OWNER, names[1], y, rule));
+    }
+    Ok((along_x, Direction::new(along_y.vector() - cos * along_x.vector())?))
+}
+
 impl Rectangle {
     /// The rectangle with the corners `centre` ± `half_x` ± `half_y`.
     ///
     /// # Errors
     ///
     /// All must be finite; `half_x` and `half_y` must not be 0, and must be perpendicular: the
-    /// cosine of their angle at most 1e-12, which is left to their rounding.
+    /// cosine of their angle at most 1e-12, which is left to their rounding. What there is of it
+    /// is taken off `half_y`.
     pub fn new(centre: DVec3, half_x: DVec3, half_y: DVec3) -> Result<Self, ArgumentError> {
-        const OWNER: &str = "Rectangle";
         if !centre.is_finite() {
             return Err(ArgumentError::new(OWNER, "centre", centre, "it must be finite"));
         }
-        let edge = |name: &'static str, vector: DVec3| {
-            Direction::new(vector)
-                .map_err(|error| ArgumentError::new(OWNER, name, vector, error.rule().to_owned()))
-        };
-        let (x, y) = (edge("half_x", half_x)?, edge("half_y", half_y)?);
-        if !(x.cos(y).abs() <= 1e-12) {
-            let rule = format!("it must be perpendicular to half_x = {half_x}");
-            return Err(ArgumentError::new(OWNER, "half_y", half_y, rule));
-        }
-        let half = [half_x.dot(x.vector()), half_y.dot(y.vector())];
-        Ok(Self { centre, x, y, half })
+        let (x, y) = axes(["half_x", "half_y"], half_x, half_y)?;
+        Ok(Self { centre, x, y, half: [half_x.dot(x.vector()), half_y.dot(y.vector())] })
     }
 
     /// The rectangle with one corner at `corner`, from which the edges `x` and `y` lead.
     ///
     /// # Errors
     ///
-    /// As [`new`](Rectangle::new).
+    /// As [`new`](Rectangle::new), of `corner`, `x` and `y`; the centre must be finite, too.
     pub fn from_corner(corner: DVec3, x: DVec3, y: DVec3) -> Result<Self, ArgumentError> {
-        Self::new(corner + 0.5 * (x + y), 0.5 * x, 0.5 * y)
+        axes(["x", "y"], x, y)?;
+        let (half_x, half_y) = (0.5 * x, 0.5 * y);
+        let centre = corner + half_x + half_y;
+        if !centre.is_finite() {
+            let rule = "it must be finite, and so must the centre of the rectangle";
+            return Err(ArgumentError::new(OWNER, "corner", corner, rule));
+        }
+        Self::new(centre, half_x, half_y)
     }
 
     /// The directions from `point` towards the rectangle, as a technique.
@@ -89,8 +112,9 @@ impl Rectangle {
 /// A direction meets the rectangle if it is on the inner side of the four planes
 /// through the point and an edge, each moved outwards by the rounding of a direction, 4ε.
 ///
-/// A point counts as in the plane if its distance from it is within the rounding of the positions,
-/// or if the whole rectangle is less than 8ε radians above its horizon.
+/// A point counts as in the plane if its distance from it is within the rounding of the positions
+/// or 1e-100 of the largest length, or if the whole rectangle is less than 8ε radians above its
+/// horizon.
 ///
 /// Source of the idea: C. Ureña, M. Fajardo and A. King, *An Area-Preserving Parametrization for
 /// Spherical Rectangles*, Computer Graphics Forum 32(4), 2013. The form is this crate's.
@@ -113,7 +137,7 @@ pub struct SphericalRectangle {
 
 impl SphericalRectangle {
     fn new(rectangle: &Rectangle, point: DVec3) -> Result<Self, ArgumentError> {
-        let invalid = |rule: &'static str| ArgumentError::new("Rectangle", "point", point, rule);
+        let invalid = |rule: &'static str| ArgumentError::new(OWNER, "point", point, rule);
         let (x, y) = (rectangle.x.vector(), rectangle.y.vector());
         let z = x.cross(y);
         let to_centre = rectangle.centre - point;
@@ -138,7 +162,7 @@ impl SphericalRectangle {
             Interval::around(to_centre.dot(y), half_y / unit),
         ];
         let nearest = DVec3::new(u.nearest(), v.nearest(), height).length();
-        if !(height > rounding.max(8.0 * f64::EPSILON * nearest)) {
+        if !(height > rounding.max(8.0 * f64::EPSILON * nearest).max(LOWEST)) {
             return Err(invalid("it must be finite and outside the rectangle's plane"));
         }
         let mut pieces = Vec::with_capacity(4);

@@ -114,10 +114,11 @@ impl Cone {
         let width = if inside {
             2.0
         } else {
-            let sin = r / d;
+            // On the surface, or in a sphere that is smaller than the rounding of the positions.
+            let sin = (r / d).min(1.0);
             sin * sin / (1.0 + power.sqrt())
         };
-        if !(width.is_normal() && d.is_finite() && point.is_finite()) {
+        if !width.is_normal() {
             let rule = "it must be finite, and the sphere's solid angle within the range of f64";
             return Err(ArgumentError::new("Sphere", "point", point, rule));
         }
@@ -244,6 +245,28 @@ mod tests {
     }
 
     #[test]
+    fn from_just_inside_the_near_side_keeps_its_distance() {
+        let depth = 2f64.powi(-30);
+        let cone = Sphere::new((1.0 - depth) * DVec3::Z, 1.0).unwrap().seen_from(DVec3::ZERO);
+        let t = cone.unwrap().hit(&Direction::from_unit(DVec3::new(0.6, 0.0, -0.8))).unwrap();
+        // (r - d)(r + d) over the sum of 0.8 d and half the chord.
+        let d = 1.0 - depth;
+        let exact = depth * (2.0 - depth) / (0.8 * d + (1.0 - 0.36 * d * d).sqrt());
+        assert!((t / exact - 1.0).abs() < 1e-14, "{t}");
+    }
+
+    #[test]
+    fn a_sphere_below_the_rounding_of_its_position_fills_at_most_a_half_space() {
+        let centre = DVec3::new(1e12, 0.0, 0.0);
+        for (offset, radius) in [(0.0, 1e-6), (5e-4, 6e-4)] {
+            let point = centre + offset * DVec3::Y;
+            let cone = Sphere::new(centre, radius).unwrap().seen_from(point).unwrap();
+            assert_eq!(cone.solid_angle(), TAU);
+            assert!(cone.hit(&cone.sample(&[0.5, 0.5])).is_some());
+        }
+    }
+
+    #[test]
     fn a_tangent_at_the_surface_hits_at_once() {
         let on = Sphere::new(DVec3::Z, 1.0).unwrap().seen_from(DVec3::ZERO).unwrap();
         assert_eq!(on.hit(&Direction::from_unit(DVec3::X)), Some(0.0));
@@ -268,6 +291,8 @@ mod tests {
         assert!(Sphere::new(DVec3::NAN, 1.0).is_err());
         let far = Sphere::new(DVec3::new(1e200, 0.0, 0.0), 1e-200).unwrap();
         assert_eq!(far.seen_from(DVec3::ZERO).unwrap_err().argument(), "point");
-        assert!(Sphere::new(DVec3::Z, 1.0).unwrap().seen_from(DVec3::NAN).is_err());
+        for point in [DVec3::NAN, DVec3::INFINITY, DVec3::new(0.0, f64::NAN, 0.0)] {
+            assert!(Sphere::new(DVec3::Z, 1.0).unwrap().seen_from(point).is_err());
+        }
     }
 }

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use crate::common::laws::canonical_numbers;
 use crate::support::{alone, assert_close, assert_unbiased, direction, horizontal, sphere_light};
 use mis::lighting::{
-    Bsdf, DVec3, Direction, Lambert, Light, ModifiedPhong, PhongLobe, ReflectedRadiance, Sphere,
-    Surface,
+    Bsdf, DVec3, Direction, Lambert, Light, ModifiedPhong, PhongLobe, Rectangle, ReflectedRadiance,
+    Sphere, Surface,
 };
 use mis::{Estimator, Integrand, MultiSample, Technique};
 
@@ -174,10 +174,35 @@ fn wrong_arguments_are_named() {
     let below = Surface::new(DVec3::ZERO, up, direction(0.0, 0.0, -1.0));
     assert_eq!(below.unwrap_err().argument(), "outgoing");
     assert!(Surface::new(DVec3::NAN, up, up).is_err());
+    let no_direction = PhongLobe::new(up, 1.0).unwrap().sample(&[]);
+    for outgoing in [direction(1.0, 0.0, 0.0), no_direction] {
+        assert!(Surface::new(DVec3::ZERO, up, outgoing).is_err());
+    }
     let sphere = Sphere::new(DVec3::Z, 0.5).unwrap();
     for radiance in [-1.0, f64::NAN, f64::INFINITY] {
         assert_eq!(Light::new(sphere, radiance).unwrap_err().argument(), "radiance");
     }
+    // A rectangle's, each constructor in its own words.
+    let (x, y) = (DVec3::X, DVec3::new(0.5, 1.0, 0.0));
+    let of = |result: Result<Rectangle, mis::ArgumentError>| result.unwrap_err().to_string();
+    assert_eq!(
+        of(Rectangle::new(DVec3::ZERO, x, y)),
+        "Rectangle: `half_y` is DVec3(0.5, 1.0, 0.0), but it must be perpendicular to half_x = \
+         [1, 0, 0]"
+    );
+    assert_eq!(
+        of(Rectangle::from_corner(DVec3::ZERO, x, y)),
+        "Rectangle: `y` is DVec3(0.5, 1.0, 0.0), but it must be perpendicular to x = [1, 0, 0]"
+    );
+    for bad in [DVec3::NAN, DVec3::INFINITY] {
+        let named = |result: Result<Rectangle, mis::ArgumentError>| result.unwrap_err();
+        assert_eq!(named(Rectangle::new(bad, x, DVec3::Y)).argument(), "centre");
+        assert_eq!(named(Rectangle::new(DVec3::ZERO, bad, y)).argument(), "half_x");
+        assert_eq!(named(Rectangle::from_corner(bad, x, DVec3::Y)).argument(), "corner");
+        assert_eq!(named(Rectangle::from_corner(DVec3::ZERO, x, bad)).argument(), "y");
+    }
+    let far = Rectangle::from_corner(f64::MAX * DVec3::X, f64::MAX * DVec3::X, DVec3::Y);
+    assert_eq!(far.unwrap_err().argument(), "corner");
     let scene = mis::lighting::Scene::<f64>::new();
     assert_eq!(scene.seen_from(DVec3::INFINITY).unwrap_err().argument(), "point");
 }

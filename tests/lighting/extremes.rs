@@ -132,6 +132,57 @@ fn tilted_rectangles_down_to_the_resolution_of_a_direction() {
 }
 
 #[test]
+fn edges_that_are_perpendicular_only_to_rounding() {
+    // As given to twelve digits: all samples of the sheared rectangle are within it all the same.
+    for shear in [1e-13, -9e-13] {
+        for width in [1.0, 1e-9] {
+            let centre = DVec3::new(0.3, 1.0, 1.0);
+            let half_y = width * DVec3::new(shear, 1.0, 0.0);
+            let rectangle = Rectangle::new(centre, width * DVec3::X, half_y).unwrap();
+            assert_samples_hit(&rectangle, [0.9, 3.0]);
+        }
+    }
+}
+
+#[test]
+fn lengths_100_orders_of_magnitude_apart() {
+    // From the other end of the range of f64, the point is in the plane.
+    let (x, y) = (1e120 * DVec3::X, 1e120 * DVec3::Y);
+    assert!(Rectangle::new(1e-50 * DVec3::Z, x, y).unwrap().seen_from(DVec3::ZERO).is_err());
+    let sky = Rectangle::new(1e30 * DVec3::Z, x, y).unwrap();
+    assert_samples_hit(&sky, [1e30, 2e120]);
+    assert_close(sky.seen_from(DVec3::ZERO).unwrap().solid_angle(), TAU, 1e-15);
+    // A strip whose solid angle has a square below the range of f64.
+    let strip = Rectangle::new(DVec3::Z, 0.5 * DVec3::X, 1e-200 * DVec3::Y).unwrap();
+    assert_samples_hit(&strip, [1.0, 1.2]);
+    // A solid angle of 4e-200, and one that no density can be of.
+    for (half, seen) in [(1e-100, true), (1e-160, false)] {
+        let speck = Rectangle::new(DVec3::Z, half * DVec3::X, half * DVec3::Y).unwrap();
+        assert_eq!(speck.seen_from(DVec3::ZERO).is_ok(), seen);
+        if seen {
+            assert_samples_hit(&speck, [1.0, 1.0]);
+        }
+    }
+}
+
+#[test]
+fn a_speck_is_not_seen_behind() {
+    // As wide as the rounding of a direction.
+    let speck = Rectangle::new(DVec3::Z, 1e-16 * DVec3::X, 1e-16 * DVec3::Y).unwrap();
+    let p = speck.seen_from(DVec3::ZERO).unwrap();
+    assert!(p.pdf(&direction(0.0, 0.0, 1.0)) > 0.0);
+    assert_eq!(p.pdf(&direction(0.0, 0.0, -1.0)), 0.0);
+}
+
+#[test]
+fn a_direction_at_the_horizon_meets_the_far_end() {
+    let p = ceiling([1.0, 1e3], [-1.0, 1.0], 1e-14).seen_from(DVec3::ZERO).unwrap();
+    for z in [0.0, -2e-16] {
+        assert_close(p.hit(&direction(1.0, 0.0, z)).unwrap(), 1e3, 1e-6);
+    }
+}
+
+#[test]
 fn a_rectangle_1e_12_above_its_plane() {
     let exact = 1e-12 * (2.0 * 2f64.sqrt() - 5f64.sqrt());
     let (x, y) = ([1.0, 2.0], [-1.0, 1.0]);

@@ -105,6 +105,19 @@ fn a_surface_does_not_shadow_itself() {
 }
 
 #[test]
+fn a_small_ball_far_from_the_origin_does_not_shadow_itself() {
+    let ball = Sphere::new(DVec3::new(7e3, -3e3, 2e3), 1e-3).unwrap();
+    for k in 1..100 {
+        let at = f64::from(k) / 100.0;
+        let outwards = direction(at - 0.5, 0.3, 1.1 * at);
+        let point = ball.centre() + ball.radius() * outwards.vector();
+        let light = sphere_light(point + 5.0 * outwards.vector(), 1.0, 1.0);
+        let scene = Scene::new().light(light).occluder(ball);
+        assert_eq!(scene.seen_from(point).unwrap().radiance(&outwards), 1.0, "{at}");
+    }
+}
+
+#[test]
 fn a_light_on_a_wall_is_not_shadowed_by_the_wall() {
     for k in 0..20 {
         let turn = f64::from(k);
