@@ -150,10 +150,10 @@ impl EstimateError {
         sample: u64,
         x: &impl Debug,
         value: &impl Debug,
-        fault: Fault,
+        fault: &Fault,
     ) -> Self {
         let point = shortened(x);
-        match fault {
+        match *fault {
             Fault::Value => Self::Value { technique, sample, point, value: shortened(value) },
             Fault::Density { of, pdf } => {
                 Self::Density { technique: of, sampled_by: technique, sample, point, pdf }

@@ -5,7 +5,7 @@
 use allocation_counter::measure;
 use mis::technique::{Linear, Mixture, ProductVec, Uniform};
 use mis::weighting::{Constant, Power, Weighting};
-use mis::{Estimator, Integrand, MultiSample, OneSample, Technique};
+use mis::{Estimator, Integrand, MultiSample, OnFault, OneSample, Technique};
 
 /// Allocations of an estimate from `n` samples of each technique.
 fn allocations<P, W, F>(
@@ -53,6 +53,18 @@ fn numbers() {
     assert_constant([&flat, &ramp], &|x: &f64| *x);
     let mixture = Mixture::new(vec![(flat, 0.25), (flat, 0.75)]).unwrap();
     assert_constant([&flat, &mixture], &|x: &f64| [*x, 1.0]);
+}
+
+/// A fault that is only counted is not described.
+#[test]
+fn counted_faults() {
+    let flat = Uniform::unit();
+    let f = |x: &f64| if *x < 0.9 { f64::NAN } else { 1.0 };
+    let count = |n| {
+        let mis = MultiSample::new(&[(&flat, n)]).unwrap().on_fault(OnFault::CountAsZero);
+        measure(|| drop(mis.estimate(&f, 1).unwrap())).count_total
+    };
+    assert!(count(500_000) <= count(1_000) + 16);
 }
 
 /// Points that own memory are written over, not made anew.

@@ -22,8 +22,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (number, printed) in PRINTED.iter().enumerate() {
         let (rows, estimate) = table(number, &XI)?;
         println!("{}; in brackets, what the slides print\n", printed.title);
-        let columns: String = printed.columns.iter().map(|name| format!(" {name:^16}")).collect();
-        println!("    ξ  {}", columns.trim_end());
+        let columns: Vec<String> =
+            printed.columns.iter().map(|name| format!("{name:^16}")).collect();
+        println!("    ξ   {}", columns.join(" ").trim_end());
         for ((xi, row), printed_row) in XI.iter().zip(&rows).zip(printed.rows) {
             print!("  {xi:.3}");
             for (ours, theirs) in row.iter().zip(printed_row) {

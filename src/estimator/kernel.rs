@@ -139,7 +139,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
                 let fault = self.check(i, (&xs[j], &values[j]), rows, y, j, ratios);
                 if let Err(fault) = fault {
                     if self.on_fault == OnFault::Error {
-                        return Err(EstimateError::new(i, index(j), &xs[j], &values[j], fault));
+                        return Err(EstimateError::new(i, index(j), &xs[j], &values[j], &fault));
                     }
                     sums.counts.count(&fault);
                     y.chunks_exact_mut(self.block).for_each(|y| y[j] = 0.0);

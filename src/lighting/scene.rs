@@ -136,7 +136,9 @@ impl<V: Spectrum> Scene<V> {
 
     /// With one more shape that casts shadows and emits nothing.
     ///
-    /// A surface does not shadow a point on itself, except where a direction leads into a sphere.
+    /// A surface does not shadow a point on itself, except where a direction leads into a sphere. A
+    /// point is on it if it is to a few roundings of the coordinates; one that was computed along a
+    /// ray from far away may have lost more digits, and lie below.
     #[must_use]
     pub fn occluder(mut self, shape: impl Into<Shape>) -> Self {
         self.occluders.push(shape.into());
