@@ -54,7 +54,7 @@ laws! {
     power_law_ramp: PowerLaw::new(1.0, 0.0, 1.0);
     power_law_root: PowerLaw::new(-0.5, 0.0, 1.0), tail_from: 1e-150;
     power_law_singular: PowerLaw::new(-0.9, 0.0, 1.0), tail_from: 1e-20;
-    power_law_nearly_log: PowerLaw::new(-0.98, 0.0, 1.0), tail_from: 1e-5, integral: 1e-6;
+    power_law_nearly_log: PowerLaw::new(-0.95, 0.0, 1.0), tail_from: 1e-11;
     power_law_steep: PowerLaw::new(1e6, 0.0, 1.0);
     power_law_cut: PowerLaw::new(2.5, 0.5, 2.0);
     power_law_falling: PowerLaw::new(-3.0, 1.0, 1e3);
