@@ -31,8 +31,7 @@
 //!               integrand f(x) ─────────┘
 //! ```
 //!
-//! - [`points`]: canonical numbers ξ in the unit interval, [`Random`](points::Random) from a seed
-//!   or
+//! - [`points`]: canonical numbers ξ in the unit interval, [`Random`](points::Random) from a seed or
 //!   [`Replay`](points::Replay) of given ones.
 //! - [`technique`]: a [`Technique`] maps ξ to a point x and knows the density of x.
 //! - [`Integrand`]: a closure `|x: &P| value`, of `f64`, `[f64; K]` or [`LnValue`].
