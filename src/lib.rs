@@ -44,6 +44,8 @@
 //!
 //! - `lighting` (default): the module `lighting`; brings in `glam`.
 
+#![forbid(unsafe_code)]
+
 mod discrete;
 mod error;
 mod estimate;
