@@ -1,12 +1,13 @@
 //! The exponential density, cut to an interval.
 
-use super::{InverseCdf, Technique, canonical, split};
+use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
+use super::{InverseCdf, Technique, canonical};
 use crate::error::{ArgumentError, finite, greater};
 
 /// The exponential density of rate λ on \[a, b\], with respect to length.
 ///
-/// p(x) = λ e^(-λ (x - a)) / (1 - e^(-λ (b - a))), P(x) = (1 - e^(-λ (x - a))) / (1 - e^(-λ (b -
-/// a))), P⁻¹(u) = a - ln(1 - u (1 - e^(-λ (b - a)))) / λ.
+/// With m = 1 - e^(-λ (b - a)): p(x) = λ e^(-λ (x - a)) / m, P(x) = (1 - e^(-λ (x - a))) / m,
+/// P⁻¹(u) = a - ln(1 - m u) / λ.
 ///
 /// The rate has any sign: a negative one makes the density grow towards b, and 0 is the uniform
 /// density, which is approached continuously. Where λ > 0, b may be infinite.
@@ -68,38 +69,6 @@ impl Exponential {
         let above = if x == self.b { 0.0 } else { self.b - x }; // b may be infinite
         if self.grows { (above, x - self.a) } else { (x - self.a, above) }
     }
-
-    /// The masses below and above `x`.
-    fn masses(&self, x: f64) -> (f64, f64) {
-        let (dense, thin) = self.distances(x);
-        let (dense, thin) = self.decay.masses(dense, thin);
-        if self.grows { (thin, dense) } else { (dense, thin) }
-    }
-
-    /// The x with the mass `below` under it and `above` = 1 - `below` over it.
-    fn inverse(&self, below: f64, above: f64) -> f64 {
-        if !(0.0..=1.0).contains(&below) || !(0.0..=1.0).contains(&above) {
-            return f64::NAN;
-        }
-        if below == 0.0 {
-            return self.a;
-        }
-        if above == 0.0 {
-            return self.b;
-        }
-        let x = if self.grows {
-            match self.decay.place(above, below) {
-                Place::Dense(t) => self.b - t,
-                Place::Thin(t) => self.a + t,
-            }
-        } else {
-            match self.decay.place(below, above) {
-                Place::Dense(t) => self.a + t,
-                Place::Thin(t) => self.b - t,
-            }
-        };
-        x.clamp(self.a, self.b)
-    }
 }
 
 impl Technique for Exponential {
@@ -126,23 +95,34 @@ impl Technique for Exponential {
     }
 }
 
-impl InverseCdf for Exponential {
-    fn cdf(&self, x: f64) -> f64 {
-        self.masses(x).0
+impl TwoSided for Exponential {
+    fn ends(&self) -> (f64, f64) {
+        (self.a, self.b)
     }
 
-    fn inverse_cdf(&self, u: f64) -> f64 {
-        self.inverse(u, 1.0 - u)
+    fn masses(&self, x: f64) -> (f64, f64) {
+        let (dense, thin) = self.distances(x);
+        let (dense, thin) = self.decay.masses(dense, thin);
+        if self.grows { (thin, dense) } else { (dense, thin) }
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        self.masses(x).1
-    }
-
-    fn inverse_survival(&self, v: f64) -> f64 {
-        self.inverse(1.0 - v, v)
+    fn place(&self, below: f64, above: f64) -> f64 {
+        let x = if self.grows {
+            match self.decay.place(above, below) {
+                Place::Dense(t) => self.b - t,
+                Place::Thin(t) => self.a + t,
+            }
+        } else {
+            match self.decay.place(below, above) {
+                Place::Dense(t) => self.a + t,
+                Place::Thin(t) => self.b - t,
+            }
+        };
+        x.clamp(self.a, self.b)
     }
 }
+
+inverse_cdf_by_sides!(Exponential);
 
 /// The density of e^(-rate t) on \[0, width\], t counted from the dense end, rate >= 0.
 #[derive(Debug, Clone, Copy, PartialEq)]

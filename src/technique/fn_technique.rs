@@ -148,11 +148,6 @@ where
             f64::NAN
         }
     }
-
-    fn inverse_survival(&self, v: f64) -> f64 {
-        // 1 - v may round into the unit interval.
-        if (0.0..=1.0).contains(&v) { self.inverse_cdf(1.0 - v) } else { f64::NAN }
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The linear ramp.
 
-use super::{InverseCdf, Technique, canonical, split};
+use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
+use super::{InverseCdf, Technique, canonical};
 use crate::error::{ArgumentError, finite, greater};
 
 /// The density on \[a, b\] that is proportional to a straight line, from the value f at a to the
@@ -75,36 +76,6 @@ impl Linear {
     fn mass(s: f64, f: f64, g: f64) -> f64 {
         s * ((2.0 - s) * f + s * g) / (f + g)
     }
-
-    /// The masses below and above `x`.
-    fn masses(&self, x: f64) -> (f64, f64) {
-        let (x, width) = (x.clamp(self.a, self.b), self.b - self.a);
-        let below = Self::mass((x - self.a) / width, self.f, self.g);
-        let above = Self::mass((self.b - x) / width, self.g, self.f);
-        split(below, above)
-    }
-
-    /// The x with the mass `below` under it and `above` = 1 - `below` over it.
-    fn inverse(&self, below: f64, above: f64) -> f64 {
-        if !(0.0..=1.0).contains(&below) || !(0.0..=1.0).contains(&above) {
-            return f64::NAN;
-        }
-        if below == 0.0 {
-            return self.a;
-        }
-        if above == 0.0 {
-            return self.b;
-        }
-        let width = self.b - self.a;
-        let x = if below < above {
-            self.a + width * Self::share(below, self.f, self.g)
-        } else {
-            self.b - width * Self::share(above, self.g, self.f)
-        };
-        let lowest = if self.f == 0.0 { self.a.next_up() } else { self.a };
-        let highest = if self.g == 0.0 { self.b.next_down() } else { self.b };
-        x.clamp(lowest, highest)
-    }
 }
 
 impl Technique for Linear {
@@ -128,23 +99,32 @@ impl Technique for Linear {
     }
 }
 
-impl InverseCdf for Linear {
-    fn cdf(&self, x: f64) -> f64 {
-        self.masses(x).0
+impl TwoSided for Linear {
+    fn ends(&self) -> (f64, f64) {
+        (self.a, self.b)
     }
 
-    fn inverse_cdf(&self, u: f64) -> f64 {
-        self.inverse(u, 1.0 - u)
+    fn masses(&self, x: f64) -> (f64, f64) {
+        let (x, width) = (x.clamp(self.a, self.b), self.b - self.a);
+        let below = Self::mass((x - self.a) / width, self.f, self.g);
+        let above = Self::mass((self.b - x) / width, self.g, self.f);
+        split(below, above)
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        self.masses(x).1
-    }
-
-    fn inverse_survival(&self, v: f64) -> f64 {
-        self.inverse(1.0 - v, v)
+    fn place(&self, below: f64, above: f64) -> f64 {
+        let width = self.b - self.a;
+        let x = if below < above {
+            self.a + width * Self::share(below, self.f, self.g)
+        } else {
+            self.b - width * Self::share(above, self.g, self.f)
+        };
+        let lowest = if self.f == 0.0 { self.a.next_up() } else { self.a };
+        let highest = if self.g == 0.0 { self.b.next_down() } else { self.b };
+        x.clamp(lowest, highest)
     }
 }
+
+inverse_cdf_by_sides!(Linear);
 
 #[cfg(test)]
 mod tests {

@@ -22,6 +22,7 @@ mod tabulate;
 mod truncated;
 mod truncated_cauchy;
 mod truncated_normal;
+mod two_sided;
 mod uniform;
 
 pub use affine::Affine;
@@ -201,18 +202,6 @@ pub fn canonical(xi: &[f64], d: usize) -> f64 {
     match xi.get(d) {
         Some(u) => u.clamp(SMALLEST, LARGEST),
         None => f64::NAN,
-    }
-}
-
-/// Two masses of sum 1 from roundings of both, whose errors partly cancel in the quotients.
-fn split(below: f64, above: f64) -> (f64, f64) {
-    let sum = below + above;
-    if below < above {
-        let below = below / sum;
-        (below, 1.0 - below)
-    } else {
-        let above = above / sum;
-        (1.0 - above, above)
     }
 }
 

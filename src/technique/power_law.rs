@@ -1,6 +1,7 @@
 //! The power law.
 
 use super::exponential::{Decay, Place};
+use super::two_sided::{TwoSided, inverse_cdf_by_sides};
 use super::{InverseCdf, Technique, canonical};
 use crate::error::{ArgumentError, finite, greater};
 
@@ -104,38 +105,6 @@ impl PowerLaw {
         if self.grows { -self.exponent * distance } else { self.exponent * distance }
     }
 
-    /// The masses below and above `x`.
-    fn masses(&self, x: f64) -> (f64, f64) {
-        let (dense, thin) = self.distances(x);
-        let (dense, thin) = self.decay.masses(dense, thin);
-        if self.grows { (thin, dense) } else { (dense, thin) }
-    }
-
-    /// The x with the mass `below` under it and `above` = 1 - `below` over it.
-    fn inverse(&self, below: f64, above: f64) -> f64 {
-        if !(0.0..=1.0).contains(&below) || !(0.0..=1.0).contains(&above) {
-            return f64::NAN;
-        }
-        if below == 0.0 {
-            return self.lo;
-        }
-        if above == 0.0 {
-            return self.hi;
-        }
-        let x = if self.grows {
-            match self.decay.place(above, below) {
-                Place::Dense(y) => self.down(y),
-                Place::Thin(y) => self.up(y),
-            }
-        } else {
-            match self.decay.place(below, above) {
-                Place::Dense(y) => self.up(y),
-                Place::Thin(y) => self.down(y),
-            }
-        };
-        x.clamp(self.lo.max(f64::MIN_POSITIVE), self.hi)
-    }
-
     /// lo e^y. The larger y is taken in two steps: e^y may overflow where lo e^y does not.
     fn up(&self, y: f64) -> f64 {
         if y < 1.0 {
@@ -211,23 +180,34 @@ impl Technique for PowerLaw {
     }
 }
 
-impl InverseCdf for PowerLaw {
-    fn cdf(&self, x: f64) -> f64 {
-        self.masses(x).0
+impl TwoSided for PowerLaw {
+    fn ends(&self) -> (f64, f64) {
+        (self.lo, self.hi)
     }
 
-    fn inverse_cdf(&self, u: f64) -> f64 {
-        self.inverse(u, 1.0 - u)
+    fn masses(&self, x: f64) -> (f64, f64) {
+        let (dense, thin) = self.distances(x);
+        let (dense, thin) = self.decay.masses(dense, thin);
+        if self.grows { (thin, dense) } else { (dense, thin) }
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        self.masses(x).1
-    }
-
-    fn inverse_survival(&self, v: f64) -> f64 {
-        self.inverse(1.0 - v, v)
+    fn place(&self, below: f64, above: f64) -> f64 {
+        let x = if self.grows {
+            match self.decay.place(above, below) {
+                Place::Dense(y) => self.down(y),
+                Place::Thin(y) => self.up(y),
+            }
+        } else {
+            match self.decay.place(below, above) {
+                Place::Dense(y) => self.up(y),
+                Place::Thin(y) => self.down(y),
+            }
+        };
+        x.clamp(self.lo.max(f64::MIN_POSITIVE), self.hi)
     }
 }
+
+inverse_cdf_by_sides!(PowerLaw);
 
 #[cfg(test)]
 mod tests {

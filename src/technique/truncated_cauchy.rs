@@ -1,7 +1,8 @@
 //! The Cauchy density, cut to an interval.
 
 use super::cauchy::{density, ln_density, representable};
-use super::{InverseCdf, Technique, canonical, split};
+use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
+use super::{InverseCdf, Technique, canonical};
 use crate::error::{ArgumentError, finite, greater, positive};
 
 /// The Cauchy density cut to \[a, b\], with respect to length; either end may be infinite.
@@ -118,32 +119,6 @@ impl End {
 }
 
 impl TruncatedCauchy {
-    /// The x with the mass `below` under it and `above` = 1 - `below` over it.
-    fn inverse(&self, below: f64, above: f64) -> f64 {
-        if !(0.0..=1.0).contains(&below) || !(0.0..=1.0).contains(&above) {
-            return f64::NAN;
-        }
-        let (a, b) = (self.lower.edge, -self.upper.edge);
-        if below == 0.0 {
-            return a;
-        }
-        if above == 0.0 {
-            return b;
-        }
-        let x = if below < above {
-            self.lower.place(below * self.lower.angle, self.scale)
-        } else {
-            -self.upper.place(above * self.upper.angle, self.scale)
-        };
-        x.clamp(a, b)
-    }
-
-    /// The masses below and above `x`.
-    fn masses(&self, x: f64) -> (f64, f64) {
-        let x = x.clamp(self.lower.edge, -self.upper.edge);
-        split(self.lower.mass_to(x, self.scale), self.upper.mass_to(-x, self.scale))
-    }
-
     fn contains(&self, x: f64) -> bool {
         self.lower.edge <= x && x <= -self.upper.edge
     }
@@ -179,23 +154,28 @@ impl Technique for TruncatedCauchy {
     }
 }
 
-impl InverseCdf for TruncatedCauchy {
-    fn cdf(&self, x: f64) -> f64 {
-        self.masses(x).0
+impl TwoSided for TruncatedCauchy {
+    fn ends(&self) -> (f64, f64) {
+        (self.lower.edge, -self.upper.edge)
     }
 
-    fn inverse_cdf(&self, u: f64) -> f64 {
-        self.inverse(u, 1.0 - u)
+    fn masses(&self, x: f64) -> (f64, f64) {
+        let x = x.clamp(self.lower.edge, -self.upper.edge);
+        split(self.lower.mass_to(x, self.scale), self.upper.mass_to(-x, self.scale))
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        self.masses(x).1
-    }
-
-    fn inverse_survival(&self, v: f64) -> f64 {
-        self.inverse(1.0 - v, v)
+    fn place(&self, below: f64, above: f64) -> f64 {
+        let (a, b) = (self.lower.edge, -self.upper.edge);
+        let x = if below < above {
+            self.lower.place(below * self.lower.angle, self.scale)
+        } else {
+            -self.upper.place(above * self.upper.angle, self.scale)
+        };
+        x.clamp(a, b)
     }
 }
+
+inverse_cdf_by_sides!(TruncatedCauchy);
 
 #[cfg(test)]
 mod tests {

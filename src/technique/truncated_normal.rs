@@ -3,7 +3,8 @@
 use super::normal_tail::{
     inverse_series, inverse_upper_tail, mills, series, series_limit, upper_tail,
 };
-use super::{InverseCdf, Technique, canonical, split};
+use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
+use super::{InverseCdf, Technique, canonical};
 use crate::error::{ArgumentError, finite, greater, positive};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 
@@ -145,7 +146,7 @@ impl TruncatedNormal {
     /// The mirrored x with the masses `below` and `above` on its sides, of sum 1.
     ///
     /// From the smaller of the two, whose rounding error is the smaller.
-    fn place(&self, below: f64, above: f64) -> f64 {
+    fn mirrored_place(&self, below: f64, above: f64) -> f64 {
         let (low, high) = (below * self.total, above * self.total);
         if below < above {
             let from_a = low / self.alpha.shape;
@@ -172,7 +173,7 @@ impl TruncatedNormal {
     /// `x` after one Newton step towards the masses `below` and `above`, unless the density
     /// changes over the step, as it does where sd is less than the spacing of the floats.
     fn polish(&self, x: f64, below: f64, above: f64) -> f64 {
-        let (low, high) = self.masses(x);
+        let (low, high) = self.mirrored_masses(x);
         let excess = if below < above { low - below } else { above - high };
         let step = excess * self.total / self.ln_shape(x).exp();
         let slope = 1.0 + ((x - self.mean) / self.sd).abs();
@@ -207,28 +208,12 @@ impl TruncatedNormal {
         d
     }
 
-    /// The inverse in terms of both masses.
-    fn inverse(&self, below: f64, above: f64) -> f64 {
-        if !(0.0..=1.0).contains(&below) || !(0.0..=1.0).contains(&above) {
-            return f64::NAN;
-        }
-        let (below, above) = if self.mirrored { (above, below) } else { (below, above) };
-        let x = if below == 0.0 {
-            self.a
-        } else if above == 0.0 {
-            self.b
-        } else {
-            self.polish(self.place(below, above), below, above).clamp(self.a, self.b)
-        };
-        self.mirror(x)
-    }
-
     fn mirror(&self, x: f64) -> f64 {
         if self.mirrored { -x } else { x }
     }
 
     /// The masses below and above the mirrored `x`.
-    fn masses(&self, x: f64) -> (f64, f64) {
+    fn mirrored_masses(&self, x: f64) -> (f64, f64) {
         let x = x.clamp(self.a, self.b);
         if x == self.a {
             return (0.0, 1.0);
@@ -279,25 +264,24 @@ impl Technique for TruncatedNormal {
     }
 }
 
-impl InverseCdf for TruncatedNormal {
-    fn cdf(&self, x: f64) -> f64 {
-        let (below, above) = self.masses(self.mirror(x));
-        if self.mirrored { above } else { below }
+impl TwoSided for TruncatedNormal {
+    fn ends(&self) -> (f64, f64) {
+        if self.mirrored { (-self.b, -self.a) } else { (self.a, self.b) }
     }
 
-    fn inverse_cdf(&self, u: f64) -> f64 {
-        self.inverse(u, 1.0 - u)
+    fn masses(&self, x: f64) -> (f64, f64) {
+        let (below, above) = self.mirrored_masses(self.mirror(x));
+        if self.mirrored { (above, below) } else { (below, above) }
     }
 
-    fn survival(&self, x: f64) -> f64 {
-        let (below, above) = self.masses(self.mirror(x));
-        if self.mirrored { below } else { above }
-    }
-
-    fn inverse_survival(&self, v: f64) -> f64 {
-        self.inverse(1.0 - v, v)
+    fn place(&self, below: f64, above: f64) -> f64 {
+        let (below, above) = if self.mirrored { (above, below) } else { (below, above) };
+        let x = self.polish(self.mirrored_place(below, above), below, above);
+        self.mirror(x.clamp(self.a, self.b))
     }
 }
+
+inverse_cdf_by_sides!(TruncatedNormal);
 
 #[cfg(test)]
 mod tests {
