@@ -4,7 +4,7 @@
 use mis::points::{Random, Replay};
 use mis::technique::{Technique, Uniform};
 use mis::weighting::{Balance, Constant, Cutoff, Maximum, Power, Weighting};
-use mis::{EstimateError, Estimator, MultiSample, OnFault, OneSample};
+use mis::{EstimateError, Estimator, MultiSample, OnFault, OneSample, Value};
 
 /// Draws its own number; its density at point k is `q[k]`.
 struct At {
@@ -60,6 +60,46 @@ fn weights_without_probabilities_in_logarithms() {
     let constant = constant.estimate_from(&|_: &usize| 1e-300, &both()).unwrap().value();
     let exact = 0.5 * (0.5 / 0.25 + 0.5 / (0.75 * 3.0));
     assert!((constant - exact).abs() < 1e-12, "{constant}");
+}
+
+/// A value that asks for more components than it says it has gets NaN, not a panic.
+#[test]
+fn a_component_that_there_is_not_is_nan() {
+    #[derive(Debug, Clone)]
+    struct Greedy(f64);
+
+    impl Value for Greedy {
+        const COMPONENTS: usize = 1;
+        type Each<U> = [U; 3];
+        fn each<U>(of: impl FnMut(usize) -> U) -> [U; 3] {
+            std::array::from_fn(of)
+        }
+        fn zero() -> Self {
+            Self(0.0)
+        }
+        fn is_finite(&self) -> bool {
+            self.0.is_finite()
+        }
+        fn times(&self, _: usize, factor: f64) -> f64 {
+            self.0 * factor
+        }
+        fn times_exp(&self, _: usize, ln_factor: f64) -> f64 {
+            self.0 * ln_factor.exp()
+        }
+    }
+
+    let p = Uniform::unit();
+    let mis = MultiSample::new(&[(&p, 10)]).unwrap();
+    let mut contributions = 0.0;
+    let estimate = mis
+        .inspect(&|_: &f64| Greedy(2.0), &Random::new(1), |s| contributions += s.contribution()[0])
+        .unwrap();
+    assert!((contributions - 2.0).abs() < 1e-14);
+    assert_eq!(estimate.value()[0], 2.0);
+    assert!(estimate.value()[2].is_nan() && estimate.standard_error()[2].is_none());
+    assert!(estimate.largest()[2].is_none());
+    let _ = estimate.interval(0.95).unwrap();
+    assert_eq!(estimate.techniques().count(), 1);
 }
 
 /// Fails if its density is asked for at a point of another's.

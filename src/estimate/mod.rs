@@ -210,7 +210,8 @@ impl<V: Value> Estimate<V> {
         V::each(|c| {
             let mut largest: Option<Largest> = None;
             for technique in 0..self.samples.len() {
-                let extreme = self.extremes[technique * V::COMPONENTS + c];
+                let extreme = self.extremes.get(technique * V::COMPONENTS + c);
+                let extreme = extreme.copied().unwrap_or_default();
                 let contribution = extreme.y / self.total as f64;
                 if contribution.abs() > largest.map_or(0.0, |l| l.contribution.abs()) {
                     let value = self.value_of(c);
@@ -227,8 +228,8 @@ impl<V: Value> Estimate<V> {
     }
 
     /// Moments of technique `i`, component `c`.
-    fn of(&self, i: usize, c: usize) -> &Moments {
-        &self.moments[i * V::COMPONENTS + c]
+    fn of(&self, i: usize, c: usize) -> Moments {
+        self.moments.get(i * V::COMPONENTS + c).copied().unwrap_or_default()
     }
 
     /// n_i / N.
@@ -236,12 +237,13 @@ impl<V: Value> Estimate<V> {
         self.samples[i] as f64 / self.total as f64
     }
 
+    /// NaN for a component that there is not: a [`Value`] may ask for one against its contract.
     fn value_of(&self, c: usize) -> f64 {
-        self.results[c].0
+        self.results.get(c).map_or(f64::NAN, |result| result.0)
     }
 
     fn error_of(&self, c: usize) -> Option<f64> {
-        self.results[c].1
+        self.results.get(c)?.1
     }
 
     /// The standard error of component `c`, whose value is `value`.

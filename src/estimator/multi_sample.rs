@@ -14,8 +14,8 @@ use crate::weighting::{Balance, Weighting};
 
 /// The multi-sample estimator: n_i samples from each technique i, combined by a weighting.
 ///
-/// F = Σ_i 1/n_i Σ_j w_i(X_ij) f(X_ij) / p_i(X_ij), unbiased if Σ w_i = 1 wherever f ≠ 0 and w_i =
-/// 0 wherever p_i = 0. Its variance is the sum of the techniques' variances, each divided by n_i.
+/// F = Σ_i 1/n_i Σ_j w_i(X_ij) f(X_ij) / p_i(X_ij), unbiased if Σ w_i = 1 wherever f ≠ 0, and
+/// w_i = 0 wherever p_i = 0. Its variance is the sum of the techniques' variances, each divided by n_i.
 /// With a single technique it is plain importance sampling. A technique with no samples takes no
 /// part: its pdf is not evaluated.
 ///

@@ -57,6 +57,6 @@ impl<'a, P, V: Value> Sample<'a, P, V> {
     /// sum over all samples is the estimate.
     #[must_use]
     pub fn contribution(&self) -> V::Each<f64> {
-        V::each(|c| self.y[c * self.stride] / self.total)
+        V::each(|c| self.y.get(c * self.stride).map_or(f64::NAN, |y| y / self.total))
     }
 }

@@ -7,8 +7,8 @@ pub(super) const OWNER: &str = "PiecewiseConstant";
 
 /// A density that is constant on each of K bins, with respect to length.
 ///
-/// With the edges e₀ < e₁ < ... and Pₖ the probability of bin k: p(x) = Pₖ / (eₖ₊₁ - eₖ) on \[eₖ,
-/// eₖ₊₁), P(x) = P₀ + ... + Pₖ₋₁ + p(x) (x - eₖ), and P⁻¹ solves that in the bin which a binary
+/// With the edges e₀ < e₁ < ... and Pₖ the probability of bin k, eₖ <= x < eₖ₊₁:
+/// p(x) = Pₖ / (eₖ₊₁ - eₖ), P(x) = P₀ + ... + Pₖ₋₁ + p(x) (x - eₖ), and P⁻¹ solves that in the bin which a binary
 /// search finds.
 ///
 /// Bins of weight 0 are never sampled; the support begins and ends with bins of positive weight.
