@@ -13,7 +13,7 @@
 //! |---|---|---|
 //! | [`Balance`] | q_i / Σ q_k | the default; no other is much better |
 //! | [`Power`] | q_i^β / Σ q_k^β | one technique is nearly exact somewhere |
-//! | [`Cutoff`] | q_i / Σ q_k of those above α max q | the same |
+//! | [`Cutoff`] | q_i / Σ q_k of those with q_k ≥ a max q | the same |
 //! | [`Maximum`] | 1 for the largest q | the limit of the three above |
 //! | [`Constant`] | the same for every x | the cheapest: no other pdf is evaluated; every technique must cover f |
 //!
