@@ -97,7 +97,7 @@ fn histogram<T: Technique<Point = [f64; 1]>>(
     equal(techniques, 600)?.inspect(f, &mis::points::Random::new(1), |sample| {
         let [x] = sample.x();
         let bin = ((x * bins.len() as f64) as usize).min(bins.len() - 1);
-        bins[bin] += sample.contribution();
+        bins[bin] += sample.contribution() / 600.0;
     })?;
     println!("\n  from  part of the integral");
     for (bin, part) in bins.iter().enumerate() {

@@ -118,6 +118,19 @@ pub enum EstimateError {
         /// The contribution, times the number of samples.
         contribution: f64,
     },
+    /// More samples without a usable contribution than were allowed to count as 0.
+    #[error(
+        "{faults} of {samples} samples have no usable contribution; at most the part {at_most} of \
+         them may count as 0"
+    )]
+    Faults {
+        /// How many.
+        faults: u64,
+        /// Of how many samples.
+        samples: u64,
+        /// The part that is allowed.
+        at_most: f64,
+    },
     /// A technique made fewer or more points than it was given canonical numbers for.
     #[error(
         "`sample_batch` of technique {technique} made {sampled} points from numbers for {asked}; \

@@ -18,25 +18,52 @@ fn fold(xs: &[f64], start: f64, step: impl Fn(f64, f64) -> f64) -> [f64; LANES] 
     lanes
 }
 
-/// Σ d and Σ d², with d = (x - origin) · unit computed as x · unit - origin · unit; lanes are added
-/// pairwise.
+/// Σ d, Σ d² and Σ d³, with d = (x - origin) · unit computed as x · unit - origin · unit; lanes are
+/// added pairwise.
 #[inline]
-pub(crate) fn sum_and_squares(xs: &[f64], origin: f64, unit: f64) -> (f64, f64) {
+pub(crate) fn power_sums(xs: &[f64], origin: f64, unit: f64) -> [f64; 3] {
     let shift = origin * unit;
-    let (mut sum, mut squares) = ([0.0; LANES], [0.0; LANES]);
+    let mut sums = [[0.0; LANES]; 3];
+    let [first, second, third] = &mut sums;
     let (chunks, rest) = xs.as_chunks::<LANES>();
     let mut last = [origin; LANES];
     last.iter_mut().zip(rest).for_each(|(last, x)| *last = *x);
     for chunk in chunks.iter().chain([&last]) {
-        for ((sum, squares), x) in sum.iter_mut().zip(&mut squares).zip(chunk) {
-            let d = x * unit - shift;
-            *sum += d;
-            *squares += d * d;
+        for l in 0..LANES {
+            let d = chunk[l] * unit - shift;
+            let square = d * d;
+            first[l] += d;
+            second[l] += square;
+            third[l] += square * d;
         }
     }
-    let pairwise =
-        |[a, b, c, d, e, f, g, h]: [f64; LANES]| ((a + b) + (c + d)) + ((e + f) + (g + h));
-    (pairwise(sum), pairwise(squares))
+    sums.map(pairwise)
+}
+
+/// Σ d and Σ d², with d = p · inverse - 1.
+#[inline]
+pub(crate) fn relative_sums(ps: &[f64], inverses: &[f64]) -> [f64; 2] {
+    let mut sums = [[0.0; LANES]; 2];
+    let [first, second] = &mut sums;
+    let (chunks, rest) = ps.as_chunks::<LANES>();
+    let (inverse_chunks, inverse_rest) = inverses.as_chunks::<LANES>();
+    for (chunk, inverse) in chunks.iter().zip(inverse_chunks) {
+        for l in 0..LANES {
+            let d = chunk[l] * inverse[l] - 1.0;
+            first[l] += d;
+            second[l] += d * d;
+        }
+    }
+    for (l, (p, inverse)) in rest.iter().zip(inverse_rest).enumerate() {
+        let d = p * inverse - 1.0;
+        first[l] += d;
+        second[l] += d * d;
+    }
+    sums.map(pairwise)
+}
+
+fn pairwise([a, b, c, d, e, f, g, h]: [f64; LANES]) -> f64 {
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
 }
 
 /// The least element; infinite for an empty slice. NaN may or may not be passed over.
@@ -55,7 +82,7 @@ pub(crate) fn largest_magnitude(xs: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{largest_magnitude, least, sum_and_squares};
+    use super::{largest_magnitude, least, power_sums};
 
     #[test]
     fn every_element_counts_at_every_length() {
@@ -63,9 +90,12 @@ mod tests {
             let xs: Vec<f64> = (0..n).map(f64::from).collect();
             let exact = f64::from(n * (n - 1)) / 2.0;
             let squares = f64::from(n * (n - 1) * (2 * n - 1)) / 6.0;
-            assert_eq!(sum_and_squares(&xs, 0.0, 1.0), (exact, squares));
-            let shifted = (exact - f64::from(n), squares - 2.0 * exact + f64::from(n));
-            assert_eq!(sum_and_squares(&xs, 1.0, 1.0), shifted);
+            let cubes = exact * exact;
+            assert_eq!(power_sums(&xs, 0.0, 1.0), [exact, squares, cubes]);
+            let n = f64::from(n);
+            let shifted_cubes = cubes - 3.0 * squares + 3.0 * exact - n;
+            let shifted = [exact - n, squares - 2.0 * exact + n, shifted_cubes];
+            assert_eq!(power_sums(&xs, 1.0, 1.0), shifted);
             for at in 0..xs.len() {
                 let with = |x: f64| {
                     let mut xs = xs.clone();

@@ -55,7 +55,9 @@ mod lanes;
 #[cfg(feature = "lighting")]
 pub mod lighting;
 mod moments;
+mod part;
 pub mod points;
+mod tail;
 pub mod technique;
 pub mod weighting;
 

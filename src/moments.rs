@@ -1,8 +1,9 @@
 //! Running means and variances of contributions.
 
 use crate::lanes;
+use crate::part::{Contributions, Extreme};
 
-/// Count, mean and squared deviations of the contributions y of one technique, one component.
+/// Count, mean, squared and cubed deviations of the contributions y of one technique, one component.
 ///
 /// A block of n is summed about its first element y_0, in lanes: M2 = Σ d² - (Σ d)² / n with
 /// d = y - y_0. As y_0 is one of the block, M2 is at least 1 / (n - 1) of what is subtracted, so
@@ -12,13 +13,18 @@ use crate::lanes;
 /// 0, and a large offset costs no digits. Sums are not compensated: an error of a few ULP of the
 /// largest contribution is far below the sampling error.
 ///
-/// M2 is held in units of 4^`exponent`, so that contributions near the ends of the range of `f64`
-/// have a standard error although their variance is not representable.
+/// M3 = Σ d³ - 3 m Σ d² + 2 n m³, with m = Σ d / n, merges by the formula of P. Pébay, *Formulas for
+/// Robust, One-Pass Parallel Computation of Covariances and Arbitrary-Order Statistical Moments*,
+/// 2008; it loses up to the digits of n, which a diagnostic can spare.
+///
+/// M2 is held in units of 4^`exponent`, M3 in units of 8^`exponent`, so that contributions near the
+/// ends of the range of `f64` have a standard error although their variance is not representable.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Moments {
     pub(crate) count: u64,
     pub(crate) mean: f64,
     m2: f64,
+    m3: f64,
     exponent: i32,
     /// The largest |y|.
     pub(crate) largest: f64,
@@ -28,8 +34,8 @@ impl Moments {
     /// The moments of a block. The mean is finite if and only if every y is.
     pub(crate) fn of_block(ys: &[f64]) -> Self {
         let largest = lanes::largest_magnitude(ys);
-        // Within these bounds squares neither overflow nor lose a digit that matters.
-        let exponent = if largest == 0.0 || (1e-120..1e120).contains(&largest) {
+        // Within these bounds cubes neither overflow nor lose a digit that matters.
+        let exponent = if largest == 0.0 || (1e-80..1e80).contains(&largest) {
             0
         } else {
             libm::frexp(largest).1.clamp(-1020, 1020)
@@ -37,10 +43,12 @@ impl Moments {
         let unit = libm::ldexp(1.0, -exponent);
         let Some(origin) = ys.first().copied() else { return Self::default() };
         let n = ys.len() as f64;
-        let (sum, squares) = lanes::sum_and_squares(ys, origin, unit);
-        let mean = (origin * unit + sum / n) / unit;
+        let [sum, squares, cubes] = lanes::power_sums(ys, origin, unit);
+        let m = sum / n;
+        let mean = (origin * unit + m) / unit;
         let m2 = squares - sum * sum / n;
-        Self { count: ys.len() as u64, mean, m2, exponent, largest }
+        let m3 = cubes - m * (3.0 * squares - 2.0 * m * sum);
+        Self { count: ys.len() as u64, mean, m2, m3, exponent, largest }
     }
 
     /// The moments of both sets of contributions together.
@@ -62,19 +70,29 @@ impl Moments {
         let unit = libm::ldexp(1.0, -exponent);
         let delta = other.mean * unit - self.mean * unit;
         let rescaled = |m: &Self| {
-            if m.exponent == exponent {
-                m.m2
+            let shift = m.exponent - exponent;
+            if shift == 0 {
+                (m.m2, m.m3)
             } else {
-                libm::ldexp(m.m2, 2 * (m.exponent - exponent))
+                (libm::ldexp(m.m2, 2 * shift), libm::ldexp(m.m3, 3 * shift))
             }
         };
+        let ((m2_a, m3_a), (m2_b, m3_b)) = (rescaled(&self), rescaled(&other));
+        let square = delta * delta * (a * b / n);
+        let cross = a / n * m2_b - b / n * m2_a;
         Self {
             count: self.count + other.count,
             mean: (self.mean * unit + delta * (b / n)) / unit,
-            m2: rescaled(&self) + rescaled(&other) + delta * delta * (a * b / n),
+            m2: m2_a + m2_b + square,
+            m3: m3_a + m3_b + delta * (square * ((a - b) / n) + 3.0 * cross),
             exponent,
             largest: self.largest.max(other.largest),
         }
+    }
+
+    /// The skewness of the mean, γ / √n with γ = (M3 / n) / (M2 / n)^(3/2); 0 if all y are equal.
+    pub(crate) fn skewness_of_mean(&self) -> f64 {
+        if self.m2 > 0.0 { self.m3 / self.m2 / self.m2.sqrt() } else { 0.0 }
     }
 
     /// s / √n, the standard error of the mean; unknown from fewer than two contributions.
@@ -94,13 +112,6 @@ impl Moments {
     }
 }
 
-/// A contribution of large magnitude, and the index of its sample.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Extreme {
-    pub(crate) y: f64,
-    pub(crate) index: u64,
-}
-
 /// The contributions of one technique, one component.
 ///
 /// Merges blocks in a fixed binary tree over their order, so that rounding errors grow with the
@@ -110,7 +121,7 @@ pub(crate) struct Accumulator {
     /// Complete subtrees, the largest first, with their levels.
     nodes: Vec<(u32, Moments)>,
     /// The first of the largest magnitude.
-    pub(crate) extreme: Extreme,
+    extreme: Extreme,
 }
 
 impl Accumulator {
@@ -129,14 +140,17 @@ impl Accumulator {
         self.nodes.push((level, merged));
     }
 
-    pub(crate) fn total(&self) -> Moments {
-        self.nodes.iter().rev().fold(Moments::default(), |right, node| node.1.merge(right))
+    pub(crate) fn total(&self) -> Contributions {
+        let nodes = self.nodes.iter().rev();
+        let moments = nodes.fold(Moments::default(), |right, node| node.1.merge(right));
+        Contributions { moments, extreme: self.extreme }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Accumulator, Extreme, Moments};
+    use super::{Accumulator, Moments};
+    use crate::part::Extreme;
 
     fn of(ys: &[f64]) -> Moments {
         Moments::of_block(ys)
@@ -182,6 +196,23 @@ mod tests {
         }
         let exact_mean = ys.iter().sum::<f64>() / 1000.0; // integers: exact
         assert!((whole.mean - exact_mean).abs() < 1e-13 * 400.0);
+    }
+
+    #[test]
+    fn skewness_is_that_of_all_however_they_are_divided() {
+        let ys: Vec<f64> = (0..1000).map(|k| f64::from(k * k % 997).powi(3) / 1e6).collect();
+        let mean = ys.iter().sum::<f64>() / 1000.0;
+        let [m2, m3] = [2, 3].map(|k| ys.iter().map(|y| (y - mean).powi(k)).sum::<f64>());
+        let exact = m3 / m2.powf(1.5);
+        for scale in [1.0, -1.0, 1e200, 1e-200] {
+            let ys: Vec<f64> = ys.iter().map(|y| scale * y).collect();
+            for cut in [1, 8, 500, 999, 1000] {
+                let m = of(&ys[..cut]).merge(of(&ys[cut..]));
+                let ratio = m.skewness_of_mean() / (exact * scale.signum());
+                assert!((ratio - 1.0).abs() < 1e-11, "{scale} {cut}: {ratio}");
+            }
+        }
+        assert_eq!(of(&[3.0, 3.0, 3.0]).skewness_of_mean(), 0.0);
     }
 
     #[test]
@@ -236,8 +267,8 @@ mod tests {
         for _ in 0..1_000_000 / 250 {
             sum.push(&[0.1; 250], of(&[0.1; 250]), |_| 0);
         }
-        assert_eq!(sum.total().mean, 0.1);
-        assert_eq!(sum.total().count, 1_000_000);
+        let total = sum.total().moments;
+        assert_eq!((total.mean, total.count), (0.1, 1_000_000));
     }
 
     #[test]
@@ -247,8 +278,9 @@ mod tests {
             let ys = [1.0, if k % 2 == 1 { -5.0 } else { 2.0 }];
             sum.push(&ys, of(&ys), |j| 2 * k + j as u64);
         }
-        assert_eq!(sum.extreme, Extreme { y: -5.0, index: 3 });
-        assert_eq!((sum.total().largest, sum.total().count), (5.0, 14));
+        let total = sum.total();
+        assert_eq!(total.extreme, Extreme { y: -5.0, index: 3 });
+        assert_eq!((total.moments.largest, total.moments.count), (5.0, 14));
     }
 
     #[test]

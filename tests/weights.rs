@@ -49,7 +49,7 @@ fn applied(weighting: impl Weighting, q: &[f64]) -> Result<Vec<f64>, EstimateErr
         &|i: &usize| q[*i],
         &mis::points::Random::new(1),
         |s| {
-            w[s.technique()] = s.contribution();
+            w[s.technique()] = s.contribution() / q.len() as f64;
         },
     )?;
     Ok(w)
@@ -118,7 +118,7 @@ fn an_infinite_density_takes_all_the_weight_and_several_share_it() {
     let mis = MultiSample::new(&[(infinite, 1), (one, 1)]).unwrap();
     let error = mis.estimate(&|_: &usize| 1.0, 1).unwrap_err();
     assert!(matches!(error, EstimateError::Density { technique: 0, sampled_by: 0, .. }), "{error}");
-    let counted = mis.on_fault(OnFault::CountAsZero).estimate(&|_: &usize| 1.0, 1).unwrap();
+    let counted = mis.on_fault(OnFault::count_as_zero(1.0).unwrap()).estimate(&|_: &usize| 1.0, 1).unwrap();
     assert_eq!((counted.value(), counted.uncovered()), (0.0, 1));
 }
 
@@ -199,7 +199,7 @@ fn counts_and_densities_do_not_overflow_together() {
     let points = Replay::new([vec![0.5, 0.5, 1.0 - f64::EPSILON / 2.0, 0.5]]).unwrap();
     let mut w = Vec::new();
     one.inspect(&|_: &usize| 1e300, &points, |s| {
-        w.push(s.contribution() * 2.0 * [p0, p1][s.technique()]);
+        w.push(s.contribution() * [p0, p1][s.technique()]);
     })
     .unwrap();
     assert!((w[0] - (1.0 - few)).abs() <= f64::EPSILON, "{w:?}");

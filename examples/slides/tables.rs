@@ -94,14 +94,13 @@ pub(crate) fn table(number: usize, xi: &[f64; 6]) -> Result<Table, Box<dyn Error
             let x = sample.x();
             let (p1, p2) = (cosine.pdf(x), sine.pdf(x));
             let c = 3.0 * p1 + 3.0 * p2;
-            rows.push(vec![*x, *sample.value(), p1, p2, c, sample.contribution()]);
+            rows.push(vec![*x, *sample.value(), p1, p2, c, sample.contribution() / 6.0]);
         })?
     } else {
         let p: &dyn Technique<Point = f64> = if number == 0 { &sine } else { &cosine };
         let points = Replay::new([xi.to_vec()])?;
         MultiSample::new(&[(p, 6)])?.inspect(&f, &points, |sample| {
-            // A contribution is f / (n p).
-            let ratio = 6.0 * sample.contribution();
+            let ratio = sample.contribution(); // f / p
             rows.push(vec![*sample.x(), *sample.value(), p.pdf(sample.x()), ratio]);
         })?
     };

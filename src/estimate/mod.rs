@@ -1,5 +1,6 @@
 //! Estimates: a value, its error, and where both come from.
 
+mod combine;
 mod display;
 mod interval;
 
@@ -9,7 +10,7 @@ use std::marker::PhantomData;
 
 use crate::error::ArgumentError;
 use crate::integrand::Value;
-use crate::moments::{Accumulator, Extreme, Moments};
+use crate::part::{Counts, Part};
 
 /// The result of an estimator.
 ///
@@ -22,16 +23,13 @@ use crate::moments::{Accumulator, Extreme, Moments};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate<V = f64> {
     design: Design,
-    /// How many samples each technique drew, and all together.
-    samples: Vec<u64>,
-    total: u64,
-    /// One for each component of each technique, a technique's side by side; of contributions
-    /// times the number of all samples, so that the estimate is their mean.
-    moments: Vec<Moments>,
-    extremes: Vec<Extreme>,
+    /// α_i: the share that a technique was to have of the samples.
+    shares: Vec<f64>,
+    part: Part,
+    /// The counts of all techniques together.
+    all: Counts,
     /// Value and standard error of each component.
     results: Vec<(f64, Option<f64>)>,
-    counts: Counts,
     value: PhantomData<V>,
 }
 
@@ -42,14 +40,6 @@ pub(crate) enum Design {
     Stratified,
     /// Random: all contributions are one sample of the same variable.
     Pooled,
-}
-
-/// Contributions that call for attention.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Counts {
-    pub(crate) zero: u64,
-    pub(crate) uncovered: u64,
-    pub(crate) non_finite: u64,
 }
 
 /// What one technique did for an estimate.
@@ -84,25 +74,13 @@ pub struct Largest {
 }
 
 impl<V: Value> Estimate<V> {
-    pub(crate) fn new(
-        design: Design,
-        samples: Vec<u64>,
-        contributions: &[Accumulator],
-        counts: Counts,
-    ) -> Self {
-        let mut estimate = Self {
-            design,
-            total: samples.iter().sum(),
-            samples,
-            moments: contributions.iter().map(Accumulator::total).collect(),
-            extremes: contributions.iter().map(|sum| sum.extreme).collect(),
-            results: Vec::new(),
-            counts,
-            value: PhantomData,
-        };
+    pub(crate) fn new(design: Design, shares: &[f64], part: Part) -> Self {
+        let shares = shares.to_vec();
+        let all = part.all();
+        let mut estimate =
+            Self { design, shares, part, all, results: Vec::new(), value: PhantomData };
         for c in 0..V::COMPONENTS {
-            let techniques = 0..estimate.samples.len();
-            let value = techniques.map(|i| estimate.alpha(i) * estimate.of(i, c).mean).sum();
+            let value = estimate.mean(c);
             estimate.results.push((value, estimate.combined_error(c, value)));
         }
         estimate
@@ -164,17 +142,17 @@ impl<V: Value> Estimate<V> {
     /// How many samples were drawn in all.
     #[must_use]
     pub fn samples(&self) -> u64 {
-        self.total
+        self.all.samples
     }
 
     /// What each technique did, in the order in which they were given.
     #[must_use]
     pub fn techniques(&self) -> impl ExactSizeIterator<Item = TechniqueSummary<V>> {
-        (0..self.samples.len()).map(|i| TechniqueSummary {
-            samples: self.samples[i],
+        self.techniques_drawn().map(|i| TechniqueSummary {
+            samples: self.part.counts[i].samples,
             share_of_value: V::each(|c| {
                 let value = self.value_of(c);
-                (value != 0.0).then(|| self.alpha(i) * self.of(i, c).mean / value)
+                (value != 0.0).then(|| self.alpha(i) * self.moments(i, c).mean / value)
             }),
             share_of_variance: V::each(|c| {
                 let error = self.error_of(c).filter(|error| *error > 0.0)?;
@@ -186,7 +164,7 @@ impl<V: Value> Estimate<V> {
     /// How many contributions are 0 (in every component).
     #[must_use]
     pub fn zero(&self) -> u64 {
-        self.counts.zero
+        self.all.zero
     }
 
     /// How many samples were at points that, by its pdf, their own technique does not cover, or
@@ -194,14 +172,14 @@ impl<V: Value> Estimate<V> {
     /// instead (see [`OnFault`](crate::OnFault)).
     #[must_use]
     pub fn uncovered(&self) -> u64 {
-        self.counts.uncovered
+        self.all.uncovered
     }
 
     /// How many samples had a value or a contribution that is not finite. They count as 0; by
     /// default, one is an error instead (see [`OnFault`](crate::OnFault)).
     #[must_use]
     pub fn non_finite(&self) -> u64 {
-        self.counts.non_finite
+        self.all.non_finite
     }
 
     /// The contribution of the largest magnitude; `None` if all are 0.
@@ -209,10 +187,10 @@ impl<V: Value> Estimate<V> {
     pub fn largest(&self) -> V::Each<Option<Largest>> {
         V::each(|c| {
             let mut largest: Option<Largest> = None;
-            for technique in 0..self.samples.len() {
-                let extreme = self.extremes.get(technique * V::COMPONENTS + c);
-                let extreme = extreme.copied().unwrap_or_default();
-                let contribution = extreme.y / self.total as f64;
+            for technique in self.techniques_drawn() {
+                let extreme = self.of(technique, c).extreme;
+                let samples = self.part.counts[technique].samples as f64;
+                let contribution = self.alpha(technique) * extreme.y / samples;
                 if contribution.abs() > largest.map_or(0.0, |l| l.contribution.abs()) {
                     let value = self.value_of(c);
                     largest = Some(Largest {
@@ -225,69 +203,5 @@ impl<V: Value> Estimate<V> {
             }
             largest
         })
-    }
-
-    /// Moments of technique `i`, component `c`.
-    fn of(&self, i: usize, c: usize) -> Moments {
-        self.moments.get(i * V::COMPONENTS + c).copied().unwrap_or_default()
-    }
-
-    /// n_i / N.
-    fn alpha(&self, i: usize) -> f64 {
-        self.samples[i] as f64 / self.total as f64
-    }
-
-    /// NaN for a component that there is not: a [`Value`] may ask for one against its contract.
-    fn value_of(&self, c: usize) -> f64 {
-        self.results.get(c).map_or(f64::NAN, |result| result.0)
-    }
-
-    fn error_of(&self, c: usize) -> Option<f64> {
-        self.results.get(c)?.1
-    }
-
-    /// The standard error of component `c`, whose value is `value`.
-    fn combined_error(&self, c: usize, value: f64) -> Option<f64> {
-        let techniques = 0..self.samples.len();
-        let known = match self.design {
-            Design::Stratified => self.samples.iter().all(|n| *n != 1),
-            Design::Pooled => self.total > 1,
-        };
-        let signal = techniques.clone().any(|i| self.of(i, c).largest != 0.0);
-        // Squares of the parts over the largest of them: no over- or underflow.
-        let parts = techniques.map(|i| self.error_from(i, c, value));
-        let largest = parts.clone().fold(0.0, f64::max);
-        if !(known && signal) {
-            None
-        } else if largest == 0.0 {
-            Some(0.0)
-        } else {
-            Some(largest * parts.map(|part| (part / largest).powi(2)).sum::<f64>().sqrt())
-        }
-    }
-
-    /// Technique `i`'s part of the standard error of component `c`; the parts add as squares.
-    fn error_from(&self, i: usize, c: usize, value: f64) -> f64 {
-        match self.design {
-            Design::Stratified => self.alpha(i) * self.of(i, c).standard_error().unwrap_or(0.0),
-            Design::Pooled => {
-                let n = self.total as f64;
-                self.of(i, c).deviation_from(value, (n * (n - 1.0)).sqrt())
-            }
-        }
-    }
-
-    fn degrees_of_freedom(&self, c: usize, error: f64) -> f64 {
-        match self.design {
-            Design::Stratified if error > 0.0 => (0..self.samples.len())
-                .filter(|i| self.samples[*i] > 1)
-                .map(|i| {
-                    let part = self.error_from(i, c, self.value_of(c)) / error;
-                    part.powi(4) / (self.samples[i] - 1) as f64
-                })
-                .sum::<f64>()
-                .recip(),
-            _ => (self.total - 1) as f64,
-        }
     }
 }

@@ -4,12 +4,13 @@ use std::fmt::Debug;
 use std::slice::ChunksExact;
 
 use super::Dyn;
+use super::evidence::Evidence;
 use super::sample::{OnFault, Sample};
 use crate::error::{EstimateError, Fault};
-use crate::estimate::Counts;
 use crate::integrand::{Integrand, Value};
 use crate::lanes;
 use crate::moments::{Accumulator, Moments};
+use crate::part::{Counts, Part};
 use crate::weighting::{Densities, SAFE, Weighting};
 
 /// What all samples of an estimate have in common.
@@ -23,8 +24,6 @@ pub(super) struct Kernel<'a, P, W> {
     pub(super) density_factors: &'a [f64],
     pub(super) weighting: &'a W,
     pub(super) on_fault: OnFault,
-    /// N.
-    pub(super) total: u64,
     /// The most samples that a block has.
     pub(super) block: usize,
 }
@@ -44,6 +43,8 @@ pub(super) struct Buffers<P, V> {
     /// The block's moments of each component.
     blocks: Vec<Moments>,
     ratios: Ratios,
+    /// 1 / Σ α_k p_k.
+    mixture: Vec<f64>,
 }
 
 /// Room for the ratios r_k at one point, and their logarithms.
@@ -58,11 +59,20 @@ struct Ratios {
 pub(super) struct Sums {
     /// One for each component of each technique, a technique's side by side.
     pub(super) contributions: Vec<Accumulator>,
-    pub(super) counts: Counts,
+    /// One for each technique.
+    pub(super) counts: Vec<Counts>,
+    pub(super) evidence: Option<Evidence>,
+}
+
+impl Sums {
+    pub(super) fn finish(self) -> (Part, Option<Evidence>) {
+        let contributions = self.contributions.iter().map(Accumulator::total).collect();
+        (Part { contributions, counts: self.counts }, self.evidence)
+    }
 }
 
 impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
-    pub(super) fn start<V: Value>(&self) -> (Buffers<P, V>, Sums) {
+    pub(super) fn start<V: Value>(&self, evidence: Option<Evidence>) -> (Buffers<P, V>, Sums) {
         let techniques = self.techniques.len();
         let buffers = Buffers {
             xi: Vec::new(),
@@ -73,9 +83,10 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             y: vec![0.0; self.block * V::COMPONENTS],
             blocks: vec![Moments::default(); V::COMPONENTS],
             ratios: Ratios { r: vec![0.0; techniques], ln_r: vec![0.0; techniques] },
+            mixture: vec![0.0; self.block],
         };
         let contributions = vec![Accumulator::default(); V::COMPONENTS * techniques];
-        (buffers, Sums { contributions, counts: Counts::default() })
+        (buffers, Sums { contributions, counts: vec![Counts::default(); techniques], evidence })
     }
 
     /// Samples technique `i` at the `n` rows of `buffers.xi`, at most a block, and adds their
@@ -93,7 +104,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         F: Integrand<P> + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
-        let Buffers { xi, xs, values, pdfs, factors, y, blocks, ratios } = buffers;
+        let Buffers { xi, xs, values, pdfs, factors, y, blocks, ratios, mixture } = buffers;
         let held = xs.len();
         self.techniques[i].sample_batch(xi, xs);
         // One that appends would leave the points of an earlier block in front.
@@ -136,13 +147,16 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         if !(sound && blocks.iter().all(|block| block.mean.is_finite())) {
             for j in 0..n {
                 let rows = pdfs.chunks_exact(n);
-                let fault = self.check(i, (&xs[j], &values[j]), rows, y, j, ratios);
-                if let Err(fault) = fault {
-                    if self.on_fault == OnFault::Error {
+                match self.check(i, (&xs[j], &values[j]), rows, y, j, ratios) {
+                    Ok(ln_factor) => factors[j] = ln_factor.map_or(factors[j], f64::exp),
+                    Err(fault) if self.on_fault == OnFault::Error => {
                         return Err(EstimateError::new(i, index(j), &xs[j], &values[j], &fault));
                     }
-                    sums.counts.count(&fault);
-                    y.chunks_exact_mut(self.block).for_each(|y| y[j] = 0.0);
+                    Err(fault) => {
+                        sums.counts[i].count(&fault);
+                        factors[j] = 0.0;
+                        y.chunks_exact_mut(self.block).for_each(|y| y[j] = 0.0);
+                    }
                 }
             }
             for (block, y) in blocks.iter_mut().zip(y.chunks_exact(self.block)) {
@@ -151,20 +165,29 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             }
         }
 
-        for (j, (x, value)) in xs.iter().zip(&*values).enumerate() {
-            let total = self.total as f64;
-            let y = y.get(j..).unwrap_or_default();
+        for (j, ((x, value), weight)) in xs.iter().zip(&*values).zip(&*factors).enumerate() {
+            let (weight, y) = (*weight, y.get(j..).unwrap_or_default());
             let stride = self.block;
-            inspect(&Sample { technique: i, index: index(j), x, value, y, stride, total });
+            inspect(&Sample { technique: i, index: index(j), x, value, weight, y, stride });
         }
         let rows = y.chunks_exact(self.block);
         if rows.len() > 1 {
             zeros = (0..n).map(|j| u64::from(rows.clone().all(|y| y[j] == 0.0))).sum();
         }
-        sums.counts.zero += zeros;
-        let contributions = &mut sums.contributions[i * F::Value::COMPONENTS..];
-        for ((sum, y), block) in contributions.iter_mut().zip(rows).zip(&*blocks) {
+        sums.counts[i].samples += n as u64;
+        sums.counts[i].zero += zeros;
+        let own = i * F::Value::COMPONENTS..;
+        let contributions = &mut sums.contributions[own.clone()];
+        for ((sum, y), block) in contributions.iter_mut().zip(rows.clone()).zip(&*blocks) {
             sum.push(&y[..n], *block, &index);
+        }
+        if let Some(evidence) = &mut sums.evidence {
+            for ((tail, y), block) in evidence.tails[own].iter_mut().zip(rows).zip(&*blocks) {
+                tail.push(&y[..n], block.largest);
+            }
+            if constant.is_none() {
+                evidence.densities(i, self.alpha, &pdfs.chunks_exact(n), &mut mixture[..n]);
+            }
         }
         Ok(())
     }
@@ -187,7 +210,8 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
     }
 
     /// Looks at sample `j` of a block alone: turns to logarithms where densities leave the range,
-    /// and finds what is wrong with it. `pdfs` holds a row for each technique.
+    /// and finds what is wrong with it. `pdfs` holds a row for each technique. Returns the logarithm
+    /// of the factor, where the factor itself is not what the contribution was made of.
     fn check<V: Value>(
         &self,
         i: usize,
@@ -196,7 +220,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         y: &mut [f64],
         j: usize,
         Ratios { r, ln_r }: &mut Ratios,
-    ) -> Result<(), Fault> {
+    ) -> Result<Option<f64>, Fault> {
         if !value.is_finite() {
             return Err(Fault::Value);
         }
@@ -210,7 +234,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         let underflowed = pdfs.clone().nth(i).is_none_or(|row| row[j] == 0.0);
         let finite = (0..V::COMPONENTS).all(|c| y[c * self.block + j].is_finite());
         if finite && !underflowed {
-            return Ok(());
+            return Ok(None);
         }
         let constant = self.weighting.constant_weight(i, self.alpha);
         for ((k, ln_q), row) in ln_r.iter_mut().enumerate().zip(pdfs) {
@@ -225,7 +249,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             *ln_q = self.density_factors[k].ln() + ln_pdf;
         }
         if finite {
-            return Ok(());
+            return Ok(None);
         }
         let largest = ln_r.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let own = ln_r[i];
@@ -243,15 +267,16 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
                 self.weighting.ln_weight_over_ratio(i, ln_r, r) - largest
             }
         };
-        let model = (self.density_factors[i] / self.alpha[i]).ln();
+        let ln_factor =
+            ln_weight_over_density + (self.density_factors[i] / self.alpha[i]).ln();
         for c in 0..V::COMPONENTS {
             let y = &mut y[c * self.block + j];
-            *y = value.times_exp(c, ln_weight_over_density + model);
+            *y = value.times_exp(c, ln_factor);
             if !y.is_finite() {
                 return Err(Fault::Contribution(*y));
             }
         }
-        Ok(())
+        Ok(Some(ln_factor))
     }
 }
 

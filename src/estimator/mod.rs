@@ -1,29 +1,33 @@
 //! Estimators: techniques and a weighting, applied to an integrand.
 
+mod evidence;
 mod kernel;
 mod multi_sample;
 mod one_sample;
 mod sample;
 
+pub(crate) use evidence::Evidence;
 pub use multi_sample::MultiSample;
 pub use one_sample::OneSample;
 pub use sample::{OnFault, Sample};
 
 use std::fmt::Debug;
+use std::ops::Range;
 
 use crate::error::{ArgumentError, EstimateError};
-use crate::estimate::Estimate;
+use crate::estimate::{Design, Estimate};
 use crate::integrand::Integrand;
+use crate::part::Part;
 use crate::points::{PointSource, Random};
 use crate::technique::Technique;
 
 /// Estimates integrals: [`MultiSample`] or [`OneSample`].
 ///
 /// `P` is the type of the points.
-pub trait Estimator<P: Debug> {
+pub trait Estimator<P: Debug>: Draw<P> {
     /// Estimates ∫ f from the canonical numbers of `points`, showing every sample to `inspect`.
     ///
-    /// Histograms and derived observables are sums of the samples' contributions; the sum of them
+    /// Histograms and derived observables are means of the samples' contributions; the mean of them
     /// all is the estimate, up to rounding. Samples come in blocks of one technique each.
     ///
     /// # Errors
@@ -39,7 +43,14 @@ pub trait Estimator<P: Debug> {
     where
         F: Integrand<P> + ?Sized,
         S: PointSource + ?Sized,
-        I: FnMut(&Sample<'_, P, F::Value>);
+        I: FnMut(&Sample<'_, P, F::Value>),
+    {
+        let frame = self.frame();
+        let (part, _) = self.draw(f, points, 0..frame.samples, None, inspect)?;
+        let all = part.all();
+        frame.on_fault.check(all.faults(), all.samples)?;
+        Ok(Estimate::new(frame.design, frame.shares, part))
+    }
 
     /// Estimates ∫ f from the canonical numbers of `points`.
     ///
@@ -65,6 +76,40 @@ pub trait Estimator<P: Debug> {
     {
         self.estimate_from(f, &Random::new(seed))
     }
+}
+
+impl<P: Debug, E: Draw<P>> Estimator<P> for E {}
+
+/// Draws any range of an estimator's samples: all at once, or by and by.
+///
+/// Samples are numbered over all techniques, without end: their shares stay what they are.
+pub trait Draw<P>: Sync {
+    fn frame(&self) -> Frame<'_>;
+
+    /// What the samples of `range` come to. `evidence` is added to, if there is any.
+    fn draw<F, S, I>(
+        &self,
+        f: &F,
+        points: &S,
+        range: Range<u64>,
+        evidence: Option<Evidence>,
+        inspect: I,
+    ) -> Result<(Part, Option<Evidence>), EstimateError>
+    where
+        F: Integrand<P> + ?Sized,
+        S: PointSource + ?Sized,
+        I: FnMut(&Sample<'_, P, F::Value>);
+}
+
+/// What an estimator is, apart from its techniques.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame<'a> {
+    pub(crate) design: Design,
+    /// α_i.
+    pub(crate) shares: &'a [f64],
+    /// N.
+    pub(crate) samples: u64,
+    pub(crate) on_fault: OnFault,
 }
 
 /// Samples per block: the buffers of a few techniques fit the first-level cache, and a virtual

@@ -1,13 +1,15 @@
 //! The multi-sample estimator.
 
 use std::fmt::Debug;
+use std::ops::Range;
 
 use super::kernel::Kernel;
 use super::sample::{OnFault, Sample};
-use super::{Dyn, Estimator, block_size, check_techniques};
+use super::{BLOCK, Draw, Dyn, Evidence, Frame, block_size, check_techniques};
 use crate::error::{ArgumentError, EstimateError};
-use crate::estimate::{Design, Estimate};
+use crate::estimate::Design;
 use crate::integrand::Integrand;
+use crate::part::Part;
 use crate::points::PointSource;
 use crate::technique::Technique;
 use crate::weighting::{Balance, Weighting};
@@ -37,6 +39,8 @@ pub struct MultiSample<'a, P, W = Balance> {
     techniques: Vec<Dyn<'a, P>>,
     dimensions: Vec<usize>,
     samples: Vec<u64>,
+    /// N.
+    total: u64,
     /// n_i / N.
     alpha: Vec<f64>,
     weighting: W,
@@ -75,7 +79,7 @@ impl<'a, P> MultiSample<'a, P> {
         };
         let alpha = samples.iter().map(|n| *n as f64 / total as f64).collect();
         let (weighting, on_fault) = (Balance, OnFault::Error);
-        Ok(Self { techniques, dimensions, samples, alpha, weighting, on_fault })
+        Ok(Self { techniques, dimensions, samples, total, alpha, weighting, on_fault })
     }
 }
 
@@ -90,8 +94,8 @@ impl<'a, P, W> MultiSample<'a, P, W> {
         weighting: U,
     ) -> Result<MultiSample<'a, P, U>, ArgumentError> {
         weighting.check(&self.alpha)?;
-        let Self { techniques, dimensions, samples, alpha, on_fault, .. } = self;
-        Ok(MultiSample { techniques, dimensions, samples, alpha, weighting, on_fault })
+        let Self { techniques, dimensions, samples, total, alpha, on_fault, .. } = self;
+        Ok(MultiSample { techniques, dimensions, samples, total, alpha, weighting, on_fault })
     }
 
     /// What to do with samples that have no usable contribution; an error by default.
@@ -101,44 +105,56 @@ impl<'a, P, W> MultiSample<'a, P, W> {
     }
 }
 
-impl<P: Debug, W: Weighting> Estimator<P> for MultiSample<'_, P, W> {
-    fn inspect<F, S, I>(
+impl<P, W> MultiSample<'_, P, W> {
+    /// How many of the first `samples` samples are technique `i`'s: its share of them, rounded
+    /// down.
+    fn of_the_first(&self, samples: u64, i: usize) -> u64 {
+        let part = u128::from(samples) * u128::from(self.samples[i]) / u128::from(self.total);
+        u64::try_from(part).unwrap_or(u64::MAX)
+    }
+}
+
+impl<P: Debug, W: Weighting> Draw<P> for MultiSample<'_, P, W> {
+    fn frame(&self) -> Frame<'_> {
+        let (shares, samples, on_fault) = (&self.alpha, self.total, self.on_fault);
+        Frame { design: Design::Stratified, shares, samples, on_fault }
+    }
+
+    fn draw<F, S, I>(
         &self,
         f: &F,
         points: &S,
+        range: Range<u64>,
+        evidence: Option<Evidence>,
         mut inspect: I,
-    ) -> Result<Estimate<F::Value>, EstimateError>
+    ) -> Result<(Part, Option<Evidence>), EstimateError>
     where
         F: Integrand<P> + ?Sized,
         S: PointSource + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
-        let most = self.samples.iter().copied().max().unwrap_or(0);
+        let own = |i| self.of_the_first(range.start, i)..self.of_the_first(range.end, i);
+        let ranges: Vec<Range<u64>> = (0..self.techniques.len()).map(own).collect();
+        let most = ranges.iter().map(|range| range.end - range.start).max().unwrap_or(0);
         let kernel = Kernel {
             techniques: &self.techniques,
             alpha: &self.alpha,
             density_factors: &self.alpha,
             weighting: &self.weighting,
             on_fault: self.on_fault,
-            total: self.samples.iter().sum(),
             block: block_size(most),
         };
-        let (mut buffers, mut sums) = kernel.start();
-        for (i, (dimension, samples)) in self.dimensions.iter().zip(&self.samples).enumerate() {
-            for first in (0..*samples).step_by(kernel.block) {
-                let n = block_size(samples - first);
+        let (mut buffers, mut sums) = kernel.start(evidence);
+        for (i, (dimension, range)) in self.dimensions.iter().zip(ranges).enumerate() {
+            for first in range.clone().step_by(BLOCK) {
+                let n = block_size(range.end - first);
                 buffers.xi.resize(n * dimension, 0.0);
                 points.fill(i, first, *dimension, &mut buffers.xi)?;
                 let index = |j: usize| first + j as u64;
                 kernel.block((i, n), index, f, &mut buffers, &mut sums, &mut inspect)?;
             }
         }
-        Ok(Estimate::new(
-            Design::Stratified,
-            self.samples.clone(),
-            &sums.contributions,
-            sums.counts,
-        ))
+        Ok(sums.finish())
     }
 }
 
@@ -148,6 +164,7 @@ impl<P, W: Clone> Clone for MultiSample<'_, P, W> {
             techniques: self.techniques.clone(),
             dimensions: self.dimensions.clone(),
             samples: self.samples.clone(),
+            total: self.total,
             alpha: self.alpha.clone(),
             weighting: self.weighting.clone(),
             on_fault: self.on_fault,

@@ -1,14 +1,16 @@
 //! The one-sample estimator.
 
 use std::fmt::Debug;
+use std::ops::Range;
 
 use super::kernel::Kernel;
 use super::sample::{OnFault, Sample};
-use super::{Dyn, Estimator, block_size, check_techniques};
+use super::{BLOCK, Draw, Dyn, Evidence, Frame, block_size, check_techniques};
 use crate::discrete::Discrete;
 use crate::error::{ArgumentError, EstimateError};
-use crate::estimate::{Design, Estimate};
+use crate::estimate::Design;
 use crate::integrand::Integrand;
+use crate::part::Part;
 use crate::points::PointSource;
 use crate::technique::Technique;
 use crate::weighting::{Balance, Weighting};
@@ -130,13 +132,20 @@ impl<'a, P, W> OneSample<'a, P, W> {
     }
 }
 
-impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
-    fn inspect<F, S, I>(
+impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
+    fn frame(&self) -> Frame<'_> {
+        let (shares, samples, on_fault) = (&self.probabilities, self.samples, self.on_fault);
+        Frame { design: Design::Pooled, shares, samples, on_fault }
+    }
+
+    fn draw<F, S, I>(
         &self,
         f: &F,
         points: &S,
+        range: Range<u64>,
+        evidence: Option<Evidence>,
         mut inspect: I,
-    ) -> Result<Estimate<F::Value>, EstimateError>
+    ) -> Result<(Part, Option<Evidence>), EstimateError>
     where
         F: Integrand<P> + ?Sized,
         S: PointSource + ?Sized,
@@ -148,17 +157,15 @@ impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
             density_factors: &self.density_factors,
             weighting: &self.weighting,
             on_fault: self.on_fault,
-            total: self.samples,
-            block: block_size(self.samples),
+            block: block_size(range.end - range.start),
         };
-        let (mut buffers, mut sums) = kernel.start();
+        let (mut buffers, mut sums) = kernel.start(evidence);
         let dimension = 1 + self.dimensions.iter().copied().max().unwrap_or(0);
         let mut rows = Vec::new();
         let mut choices = Vec::with_capacity(kernel.block);
         let mut selected = Vec::with_capacity(kernel.block);
-        let mut samples = vec![0; self.techniques.len()];
-        for first in (0..self.samples).step_by(kernel.block) {
-            let n = block_size(self.samples - first);
+        for first in range.clone().step_by(BLOCK) {
+            let n = block_size(range.end - first);
             rows.resize(n * dimension, 0.0);
             points.fill(0, first, dimension, &mut rows)?;
             let rows = rows.chunks_exact(dimension);
@@ -177,13 +184,12 @@ impl<P: Debug, W: Weighting> Estimator<P> for OneSample<'_, P, W> {
                 if selected.is_empty() {
                     continue;
                 }
-                samples[i] += selected.len() as u64;
                 let index = |j: usize| selected.get(j).copied().unwrap_or(u64::MAX);
                 let n = selected.len();
                 kernel.block((i, n), index, f, &mut buffers, &mut sums, &mut inspect)?;
             }
         }
-        Ok(Estimate::new(Design::Pooled, samples, &sums.contributions, sums.counts))
+        Ok(sums.finish())
     }
 }
 

@@ -1,18 +1,48 @@
 //! Samples as an estimator shows them, and what becomes of the unusable ones.
 
+use crate::error::{ArgumentError, EstimateError};
 use crate::integrand::Value;
 
 /// What to do with a sample that has no usable contribution: the integrand is not finite, the
-/// contribution times N overflows, the technique's own pdf is 0 or infinite, or any pdf is negative
-/// or NaN.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// contribution overflows, the technique's own pdf is 0 or infinite, or any pdf is negative or NaN.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum OnFault {
     /// Stop with an [`EstimateError`](crate::EstimateError) that names the sample.
     #[default]
     Error,
     /// Let it contribute 0, and count it. The estimate is then biased by what is missing.
-    CountAsZero,
+    #[non_exhaustive]
+    CountAsZero {
+        /// The largest part of all samples that may be like this; more are an error.
+        at_most: f64,
+    },
+}
+
+impl OnFault {
+    /// [`CountAsZero`](OnFault::CountAsZero), up to the part `at_most` of all samples.
+    ///
+    /// # Errors
+    ///
+    /// `at_most` must be in \[0, 1\].
+    pub fn count_as_zero(at_most: f64) -> Result<Self, ArgumentError> {
+        if (0.0..=1.0).contains(&at_most) {
+            Ok(Self::CountAsZero { at_most })
+        } else {
+            let rule = "it must be at least 0 and at most 1";
+            Err(ArgumentError::new("OnFault::count_as_zero", "at_most", at_most, rule))
+        }
+    }
+
+    /// Whether so many faults are too many.
+    pub(crate) fn check(self, faults: u64, samples: u64) -> Result<(), EstimateError> {
+        match self {
+            Self::CountAsZero { at_most } if faults as f64 > at_most * samples as f64 => {
+                Err(EstimateError::Faults { faults, samples, at_most })
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 /// A sample, as an estimator shows it.
@@ -22,10 +52,10 @@ pub struct Sample<'a, P, V> {
     pub(super) index: u64,
     pub(super) x: &'a P,
     pub(super) value: &'a V,
-    /// One a component, `stride` apart; times the number of samples.
+    pub(super) weight: f64,
+    /// One a component, `stride` apart.
     pub(super) y: &'a [f64],
     pub(super) stride: usize,
-    pub(super) total: f64,
 }
 
 impl<'a, P, V: Value> Sample<'a, P, V> {
@@ -53,10 +83,19 @@ impl<'a, P, V: Value> Sample<'a, P, V> {
         self.value
     }
 
-    /// w_i(x) f(x) / (n_i p_i(x)), or w_i(x) f(x) / (N P_i p_i(x)) in the one-sample model. The
-    /// sum over all samples is the estimate.
+    /// w_i(x) / (α_i p_i(x)), with α_i = n_i / N (multi-sample) or P_i (one-sample).
+    ///
+    /// 0 for a sample that counts as 0; it may be infinite where the contribution is not, since
+    /// that is formed from logarithms.
+    #[must_use]
+    pub fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    /// The contribution y = w_i(x) f(x) / (α_i p_i(x)), the value times the weight. The mean of y
+    /// over all samples is the estimate.
     #[must_use]
     pub fn contribution(&self) -> V::Each<f64> {
-        V::each(|c| self.y.get(c * self.stride).map_or(f64::NAN, |y| y / self.total))
+        V::each(|c| self.y.get(c * self.stride).copied().unwrap_or(f64::NAN))
     }
 }

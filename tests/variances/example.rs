@@ -207,11 +207,16 @@ impl Example {
         let heavy = needed > limits.estimates;
         let accepted = if heavy { limits.heavy } else { 1.01 * limits.error };
         let seeds = (needed.min(limits.estimates) / N as f64).ceil().max(64.0);
+        // A contribution's part in the estimate from one sample of each technique.
+        let share = match model {
+            Model::Multi(which) => 1.0 / which.len() as f64,
+            _ => 1.0,
+        };
         let (mut squares, mut reported) = (0.0, 0.0);
         for seed in 0..seeds as u64 {
             let mut estimates = [0.0; N as usize];
             let estimate = self.run(model, weighting, N, seed, |sample| {
-                estimates[sample.index() as usize] += N as f64 * sample.contribution();
+                estimates[sample.index() as usize] += share * sample.contribution();
             });
             reported += N as f64 * estimate.unwrap().variance().unwrap();
             squares += estimates.iter().map(|f| (f - self.mean).powi(2)).sum::<f64>();
