@@ -1,5 +1,7 @@
 //! Running means and variances of contributions.
 
+use serde::{Deserialize, Serialize};
+
 use crate::lanes;
 use crate::part::{Contributions, Extreme};
 
@@ -19,7 +21,7 @@ use crate::part::{Contributions, Extreme};
 ///
 /// M2 is held in units of 4^`exponent`, M3 in units of 8^`exponent`, so that contributions near the
 /// ends of the range of `f64` have a standard error although their variance is not representable.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Moments {
     pub(crate) count: u64,
     pub(crate) mean: f64,
@@ -33,7 +35,8 @@ pub(crate) struct Moments {
 impl Moments {
     /// The moments of a block. The mean is finite if and only if every y is.
     pub(crate) fn of_block(ys: &[f64]) -> Self {
-        let largest = lanes::largest_magnitude(ys);
+        let Some(origin) = ys.first().copied() else { return Self::default() };
+        let (mut cubes, largest) = lanes::sum_of_cubes_and_largest(ys, origin);
         // Within these bounds cubes neither overflow nor lose a digit that matters.
         let exponent = if largest == 0.0 || (1e-80..1e80).contains(&largest) {
             0
@@ -41,9 +44,11 @@ impl Moments {
             libm::frexp(largest).1.clamp(-1020, 1020)
         };
         let unit = libm::ldexp(1.0, -exponent);
-        let Some(origin) = ys.first().copied() else { return Self::default() };
+        if exponent != 0 {
+            cubes = lanes::sum_of_cubes(ys, origin, unit);
+        }
         let n = ys.len() as f64;
-        let [sum, squares, cubes] = lanes::power_sums(ys, origin, unit);
+        let (sum, squares) = lanes::sum_and_squares(ys, origin, unit);
         let m = sum / n;
         let mean = (origin * unit + m) / unit;
         let m2 = squares - sum * sum / n;

@@ -1,16 +1,18 @@
 //! What a range of samples came to.
 
+use serde::{Deserialize, Serialize};
+
 use crate::moments::Moments;
 
 /// A contribution of large magnitude, and the index of its sample.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Extreme {
     pub(crate) y: f64,
     pub(crate) index: u64,
 }
 
 /// The contributions of one technique, one component.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Contributions {
     pub(crate) moments: Moments,
     /// The first of the largest magnitude.
@@ -28,7 +30,7 @@ impl Contributions {
 }
 
 /// How many samples one technique drew, and how many of them call for attention.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub(crate) struct Counts {
     pub(crate) samples: u64,
     /// Of contributions that are 0 in every component, faults included.
@@ -54,7 +56,7 @@ impl Counts {
 }
 
 /// What a range of an estimator's samples came to.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Part {
     /// One for each component of each technique, a technique's side by side; of contributions
     /// y = w f / (α p), so that the estimate is their mean.

@@ -1,5 +1,7 @@
 //! The largest contributions, of which the tail of their distribution is judged.
 
+use serde::{Deserialize, Serialize};
+
 /// How many are kept: the 256 that a tail is fitted to, and the next, at which it begins.
 const KEPT: usize = 257;
 
@@ -7,7 +9,7 @@ const KEPT: usize = 257;
 ///
 /// Which they are does not depend on the order in which contributions come, nor on how they are
 /// divided among threads.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Tail {
     /// Nothing up to here is among the largest.
     above: f64,

@@ -1,0 +1,240 @@
+//! When a run may end.
+
+use std::time::Duration;
+
+use crate::error::{ArgumentError, finite};
+use crate::estimate::Estimate;
+use crate::integrand::Value;
+
+/// What a run is to reach: a tolerance, a number of samples, a time, or whichever of them comes
+/// first.
+///
+/// Without any, a run draws the samples that the estimator was made with.
+///
+/// ```
+/// use mis::Target;
+/// use std::time::Duration;
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// // 0.1 % at 95 %, at most 10 minutes.
+/// let target = Target::new().relative(1e-3)?.confidence(0.95)?.time(Duration::from_secs(600));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Target {
+    absolute: f64,
+    relative: f64,
+    confidence: f64,
+    norm: Norm,
+    samples: Option<u64>,
+    time: Option<Duration>,
+}
+
+/// What the tolerance of a [`Target`] bounds, where the integrand has several components.
+///
+/// With e_c the half-width of the interval of component c and F_c its value, a tolerance is
+/// reached if
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Norm {
+    /// e_c ≤ max(absolute, relative · |F_c|) for every c.
+    #[default]
+    Each,
+    /// max e_c ≤ max(absolute, relative · max |F_c|).
+    Largest,
+    /// √Σ e_c² ≤ max(absolute, relative · √Σ F_c²).
+    Euclidean,
+    /// Σ e_c ≤ max(absolute, relative · Σ |F_c|).
+    Sum,
+    /// e_c ≤ max(absolute, relative · |F_c|) for this c alone.
+    Component(usize),
+}
+
+impl Default for Target {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Target {
+    /// The samples that the estimator was made with.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            absolute: 0.0,
+            relative: 0.0,
+            confidence: 0.95,
+            norm: Norm::Each,
+            samples: None,
+            time: None,
+        }
+    }
+
+    /// The error is to be at most `tolerance`, at the [confidence](Target::confidence). If there is
+    /// a relative tolerance as well, the larger of the two counts.
+    ///
+    /// # Errors
+    ///
+    /// `tolerance` must be finite and greater than 0.
+    pub fn absolute(self, tolerance: f64) -> Result<Self, ArgumentError> {
+        Ok(Self { absolute: tolerance_of("absolute", tolerance)?, ..self })
+    }
+
+    /// The error is to be at most `tolerance` times the value, at the
+    /// [confidence](Target::confidence). If there is an absolute tolerance as well, the larger of
+    /// the two counts.
+    ///
+    /// # Errors
+    ///
+    /// `tolerance` must be finite and greater than 0.
+    pub fn relative(self, tolerance: f64) -> Result<Self, ArgumentError> {
+        Ok(Self { relative: tolerance_of("relative", tolerance)?, ..self })
+    }
+
+    /// The part of runs whose error is within the tolerance; 0.95 by default. Also the level of
+    /// the interval that a report prints.
+    ///
+    /// # Errors
+    ///
+    /// `level` must be greater than 0 and less than 1.
+    pub fn confidence(self, level: f64) -> Result<Self, ArgumentError> {
+        if level > 0.0 && level < 1.0 {
+            Ok(Self { confidence: level, ..self })
+        } else {
+            let rule = "it must be greater than 0 and less than 1";
+            Err(ArgumentError::new("Target::confidence", "level", level, rule))
+        }
+    }
+
+    /// What the tolerance bounds, where the integrand has several components; each of them by
+    /// default.
+    #[must_use]
+    pub fn norm(self, norm: Norm) -> Self {
+        Self { norm, ..self }
+    }
+
+    /// At most this many samples, over all techniques.
+    ///
+    /// # Errors
+    ///
+    /// `samples` must be at least 1 and at most 2⁵³.
+    pub fn samples(self, samples: u64) -> Result<Self, ArgumentError> {
+        if (1..=1 << 53).contains(&samples) {
+            Ok(Self { samples: Some(samples), ..self })
+        } else {
+            let rule = "it must be at least 1 and at most 2^53";
+            Err(ArgumentError::new("Target::samples", "samples", samples, rule))
+        }
+    }
+
+    /// At most this much time, by the clock on the wall, since the run or its continuation began.
+    ///
+    /// No sample is begun after that; those that are being evaluated are waited for. How far a run
+    /// comes depends on the machine; its report says how many samples it took, and a run of that
+    /// many gives the same bits.
+    #[must_use]
+    pub fn time(self, time: Duration) -> Self {
+        Self { time: Some(time), ..self }
+    }
+
+    pub(super) fn level(&self) -> f64 {
+        self.confidence
+    }
+
+    pub(super) fn has_tolerance(&self) -> bool {
+        self.absolute > 0.0 || self.relative > 0.0
+    }
+
+    pub(super) fn limit_of_time(&self) -> Option<Duration> {
+        self.time
+    }
+
+    /// The most samples, where the estimator has `own`.
+    pub(super) fn limit(&self, own: u64) -> u64 {
+        let endless = self.has_tolerance() || self.time.is_some();
+        self.samples.unwrap_or(if endless { 1 << 53 } else { own })
+    }
+
+    /// Whether component `c` of the value counts.
+    pub(super) fn counts(&self, c: usize) -> bool {
+        match self.norm {
+            Norm::Component(only) => only == c,
+            _ => true,
+        }
+    }
+
+    /// # Errors
+    ///
+    /// The norm is of a component that there is not.
+    pub(super) fn check(&self, components: usize) -> Result<(), ArgumentError> {
+        match self.norm {
+            Norm::Component(c) if c >= components => {
+                let rule = format!("the integrand has {components} components");
+                Err(ArgumentError::new("Target::norm", "Norm::Component", c, rule))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The half-width of the interval over the tolerance, by the norm; at most 1 where the
+    /// tolerance is reached. Infinite where an error is unknown.
+    ///
+    /// Components in which no sample had a contribution are left out, if others have one.
+    pub(super) fn excess<V: Value>(&self, estimate: &Estimate<V>) -> f64 {
+        let components = (0..V::COMPONENTS).filter(|c| self.counts(*c) && estimate.has_signal(*c));
+        let one = |c: usize| (estimate.half_width(c, self.confidence), estimate.value_of(c).abs());
+        let over = |(error, value): (f64, f64)| {
+            let tolerance = self.absolute.max(self.relative * value);
+            if error == 0.0 { 0.0 } else { error / tolerance }
+        };
+        let all: Vec<(f64, f64)> = components.map(one).collect();
+        if all.is_empty() || all.iter().any(|(error, value)| !(error + value).is_finite()) {
+            return f64::INFINITY;
+        }
+        let combine = |combine: fn(f64, f64) -> f64| {
+            let sum = all.iter().fold((0.0, 0.0), |s, e| (combine(s.0, e.0), combine(s.1, e.1)));
+            over(sum)
+        };
+        match self.norm {
+            Norm::Each | Norm::Component(_) => all.iter().copied().map(over).fold(0.0, f64::max),
+            Norm::Largest => combine(f64::max),
+            Norm::Euclidean => combine(f64::hypot),
+            Norm::Sum => combine(|a, b| a + b),
+        }
+    }
+}
+
+/// In words: "relative 0.001 at 95 %, at most 600 s".
+impl std::fmt::Display for Target {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut words = Vec::new();
+        if self.relative > 0.0 {
+            words.push(format!("relative error {}", self.relative));
+        }
+        if self.absolute > 0.0 {
+            words.push(format!("absolute error {}", self.absolute));
+        }
+        let mut tolerance = words.join(" or ");
+        if self.has_tolerance() {
+            tolerance.push_str(&format!(" at {} %", 100.0 * self.confidence));
+            if self.norm != Norm::Each {
+                tolerance.push_str(&format!(" ({:?})", self.norm));
+            }
+        }
+        let limits = [
+            self.samples.map(|samples| format!("at most {samples} samples")),
+            self.time.map(|time| format!("at most {} s", time.as_secs_f64())),
+        ];
+        let parts = [(!tolerance.is_empty()).then_some(tolerance)].into_iter().chain(limits);
+        let text = parts.flatten().collect::<Vec<_>>().join(", ");
+        f.write_str(if text.is_empty() { "the samples of the estimator" } else { &text })
+    }
+}
+
+fn tolerance_of(argument: &'static str, tolerance: f64) -> Result<f64, ArgumentError> {
+    if finite("Target", argument, tolerance)? > 0.0 {
+        Ok(tolerance)
+    } else {
+        Err(ArgumentError::new("Target", argument, tolerance, "it must be greater than 0"))
+    }
+}
