@@ -57,6 +57,7 @@ pub mod lighting;
 mod moments;
 mod part;
 pub mod points;
+pub mod run;
 mod tail;
 pub mod technique;
 pub mod weighting;
@@ -65,6 +66,10 @@ pub use error::{ArgumentError, EstimateError};
 pub use estimate::{Estimate, Interval, Largest, TechniqueSummary};
 pub use estimator::{Estimator, MultiSample, OnFault, OneSample, Sample};
 pub use integrand::{Integrand, LnValue, Value};
+pub use run::{
+    Cancel, CheckpointError, Doubt, Norm, Progress, Report, RoundSummary, Run, RunError, RunFault,
+    Status, Stop, Tallied, Tally, Target,
+};
 pub use technique::{InverseCdf, Technique};
 
 #[cfg(doctest)]

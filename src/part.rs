@@ -66,6 +66,14 @@ pub struct Part {
 }
 
 impl Part {
+    /// No samples.
+    pub(crate) fn empty(techniques: usize, components: usize) -> Self {
+        Self {
+            contributions: vec![Contributions::default(); techniques * components],
+            counts: vec![Counts::default(); techniques],
+        }
+    }
+
     /// Both parts together; `self` comes first.
     pub(crate) fn merge(mut self, right: &Self) -> Self {
         let pairs = self.contributions.iter_mut().zip(&right.contributions);

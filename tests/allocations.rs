@@ -61,7 +61,8 @@ fn counted_faults() {
     let flat = Uniform::unit();
     let f = |x: &f64| if *x < 0.9 { f64::NAN } else { 1.0 };
     let count = |n| {
-        let mis = MultiSample::new(&[(&flat, n)]).unwrap().on_fault(OnFault::count_as_zero(1.0).unwrap());
+        let mis =
+            MultiSample::new(&[(&flat, n)]).unwrap().on_fault(OnFault::count_as_zero(1.0).unwrap());
         measure(|| drop(mis.estimate(&f, 1).unwrap())).count_total
     };
     assert!(count(500_000) <= count(1_000) + 16);

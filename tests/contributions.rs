@@ -92,7 +92,9 @@ fn a_component_that_there_is_not_is_nan() {
     let mis = MultiSample::new(&[(&p, 10)]).unwrap();
     let mut contributions = 0.0;
     let estimate = mis
-        .inspect(&|_: &f64| Greedy(2.0), &Random::new(1), |s| contributions += s.contribution()[0] / 10.0)
+        .inspect(&|_: &f64| Greedy(2.0), &Random::new(1), |s| {
+            contributions += s.contribution()[0] / 10.0
+        })
         .unwrap();
     assert!((contributions - 2.0).abs() < 1e-14);
     assert_eq!(estimate.value()[0], 2.0);
@@ -138,7 +140,8 @@ fn every_component_of_a_contribution_is_checked() {
     let mis = MultiSample::new(&[(&p, 3)]).unwrap();
     let error = mis.estimate(&|_: &usize| [1.0, 1e200], 1).unwrap_err();
     assert!(matches!(error, EstimateError::Contribution { .. }), "{error}");
-    let counted = mis.on_fault(OnFault::count_as_zero(1.0).unwrap()).estimate(&|_: &usize| [1.0, 1e200], 1);
+    let counted =
+        mis.on_fault(OnFault::count_as_zero(1.0).unwrap()).estimate(&|_: &usize| [1.0, 1e200], 1);
     let counted = counted.unwrap();
     assert_eq!((counted.value(), counted.non_finite(), counted.zero()), ([0.0, 0.0], 3, 3));
 }
@@ -146,7 +149,8 @@ fn every_component_of_a_contribution_is_checked() {
 #[test]
 fn a_fault_in_one_component_leaves_out_the_whole_sample() {
     let p = Uniform::unit();
-    let mis = MultiSample::new(&[(&p, 1000)]).unwrap().on_fault(OnFault::count_as_zero(1.0).unwrap());
+    let mis =
+        MultiSample::new(&[(&p, 1000)]).unwrap().on_fault(OnFault::count_as_zero(1.0).unwrap());
     let f = |x: &f64| [1.0, if *x < 0.5 { f64::NAN } else { 2.0 }];
     let estimate = mis.estimate(&f, 1).unwrap();
     let kept = 1.0 - estimate.non_finite() as f64 / 1000.0;

@@ -68,7 +68,8 @@ fn a_value_that_is_not_finite_is_an_error_that_names_it() {
 #[test]
 fn counted_faults_contribute_nothing_and_show() {
     let p = uniform(0.0, 1.0);
-    let mis = MultiSample::new(&[(&p, 1000)]).unwrap().on_fault(OnFault::count_as_zero(1.0).unwrap());
+    let mis =
+        MultiSample::new(&[(&p, 1000)]).unwrap().on_fault(OnFault::count_as_zero(1.0).unwrap());
     let f = |x: &f64| if *x < 0.5 { f64::NAN } else { 1.0 };
     let estimate = mis.estimate(&f, 1).unwrap();
     assert_eq!(estimate.non_finite(), estimate.zero());
@@ -76,7 +77,8 @@ fn counted_faults_contribute_nothing_and_show() {
     assert!((400..600).contains(&estimate.non_finite()));
 
     let gap = Raw { sample: |u| u, pdf: |x| if x < 0.5 { 0.0 } else { 1.0 } };
-    let mis = MultiSample::new(&[(&gap, 1000)]).unwrap().on_fault(OnFault::count_as_zero(1.0).unwrap());
+    let mis =
+        MultiSample::new(&[(&gap, 1000)]).unwrap().on_fault(OnFault::count_as_zero(1.0).unwrap());
     let estimate = mis.estimate(&|_: &f64| 1.0, 1).unwrap();
     assert!((400..600).contains(&estimate.uncovered()));
     assert_eq!(estimate.value(), 1.0 - estimate.uncovered() as f64 / 1000.0);

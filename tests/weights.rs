@@ -118,7 +118,8 @@ fn an_infinite_density_takes_all_the_weight_and_several_share_it() {
     let mis = MultiSample::new(&[(infinite, 1), (one, 1)]).unwrap();
     let error = mis.estimate(&|_: &usize| 1.0, 1).unwrap_err();
     assert!(matches!(error, EstimateError::Density { technique: 0, sampled_by: 0, .. }), "{error}");
-    let counted = mis.on_fault(OnFault::count_as_zero(1.0).unwrap()).estimate(&|_: &usize| 1.0, 1).unwrap();
+    let counted =
+        mis.on_fault(OnFault::count_as_zero(1.0).unwrap()).estimate(&|_: &usize| 1.0, 1).unwrap();
     assert_eq!((counted.value(), counted.uncovered()), (0.0, 1));
 }
 

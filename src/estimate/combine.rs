@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::{Design, Estimate};
+use super::interval::Bounded;
+use super::{Design, Estimate, Interval, Largest};
 use crate::integrand::Value;
 use crate::moments::Moments;
 use crate::part::Contributions;
@@ -51,11 +52,11 @@ impl<V: Value> Estimate<V> {
     }
 
     /// NaN for a component that there is not: a [`Value`] may ask for one against its contract.
-    pub(super) fn value_of(&self, c: usize) -> f64 {
+    pub(crate) fn value_of(&self, c: usize) -> f64 {
         self.results.get(c).map_or(f64::NAN, |result| result.0)
     }
 
-    pub(super) fn error_of(&self, c: usize) -> Option<f64> {
+    pub(crate) fn error_of(&self, c: usize) -> Option<f64> {
         self.results.get(c)?.1
     }
 
@@ -82,7 +83,7 @@ impl<V: Value> Estimate<V> {
     }
 
     /// Technique `i`'s part of the standard error of component `c`; the parts add as squares.
-    pub(super) fn error_from(&self, i: usize, c: usize, value: f64) -> f64 {
+    pub(crate) fn error_from(&self, i: usize, c: usize, value: f64) -> f64 {
         match self.design {
             Design::Stratified => {
                 self.alpha(i) * self.moments(i, c).standard_error().unwrap_or(0.0)
@@ -109,24 +110,100 @@ impl<V: Value> Estimate<V> {
         }
     }
 
-    /// What each technique adds to the skewness of the value, Σ α_i³ μ_3i / n_i² / V^(3/2); none
+    pub(super) fn error_with_freedom(&self, c: usize) -> Option<(f64, f64)> {
+        self.error_of(c).map(|error| (error, self.degrees_of_freedom(c, error)))
+    }
+
+    /// What each technique adds to the skewness of the value, Σ α_i³ μ_i / n_i² / V^(3/2); nothing
     /// where the error is unknown or 0.
-    pub(super) fn skewness_parts(&self, c: usize) -> Vec<f64> {
+    fn skewness_parts(&self, c: usize) -> Vec<f64> {
         let Some(error) = self.error_of(c).filter(|error| *error > 0.0) else {
             return Vec::new();
         };
+        // The variances of the errors are unbiased, but the third moments are divided by n.
+        let biased = |n: u64| (1.0 - 1.0 / n as f64).powf(1.5);
         match self.design {
             Design::Stratified => self
                 .techniques_drawn()
+                .filter(|i| self.count(*i) > 1)
                 .map(|i| {
                     let part = self.error_from(i, c, self.value_of(c)) / error;
-                    part.powi(3) * self.moments(i, c).skewness_of_mean()
+                    part.powi(3) * self.moments(i, c).skewness_of_mean() * biased(self.count(i))
                 })
                 .collect(),
             Design::Pooled => {
                 let all = self.techniques_drawn().map(|i| self.moments(i, c));
-                vec![all.fold(Moments::default(), Moments::merge).skewness_of_mean()]
+                let all = all.fold(Moments::default(), Moments::merge);
+                vec![all.skewness_of_mean() * biased(all.count)]
             }
         }
+    }
+
+    pub(crate) fn interval_of(&self, c: usize, level: f64) -> Interval {
+        let skewness = self.skewness_parts(c).iter().sum();
+        Interval::hall(self.value_of(c), self.error_with_freedom(c), skewness, level)
+    }
+
+    pub(crate) fn kappa_of(&self, c: usize) -> Option<f64> {
+        self.error_of(c)?;
+        Some(self.skewness_parts(c).iter().map(|part| part.abs()).sum())
+    }
+
+    /// How far the interval reaches from the value; infinite where the error is unknown.
+    pub(crate) fn half_width(&self, c: usize, level: f64) -> f64 {
+        let value = self.value_of(c);
+        let Interval { lower, upper } = self.interval_of(c, level);
+        (upper - value).max(value - lower)
+    }
+
+    /// Whether any contribution to a component is not 0.
+    pub(crate) fn has_signal(&self, c: usize) -> bool {
+        self.techniques_drawn().any(|i| self.moments(i, c).largest != 0.0)
+    }
+
+    /// The techniques, for the interval of bounded contributions.
+    pub(super) fn bounded(&self, c: usize, bounds: (f64, f64)) -> Vec<Bounded> {
+        let of = |alpha, m: Moments| {
+            let deviation = m.standard_error().unwrap_or(0.0) * (m.count as f64).sqrt();
+            Bounded { alpha, samples: m.count, deviation, bounds }
+        };
+        let all = self.techniques_drawn().map(|i| (self.alpha(i), self.moments(i, c)));
+        match self.design {
+            Design::Stratified => all.map(|(alpha, m)| of(alpha, m)).collect(),
+            Design::Pooled => {
+                vec![of(1.0, all.map(|(_, m)| m).fold(Moments::default(), Moments::merge))]
+            }
+        }
+    }
+
+    pub(crate) fn largest_of(&self, c: usize) -> Option<Largest> {
+        let mut largest: Option<Largest> = None;
+        for technique in self.techniques_drawn() {
+            let extreme = self.of(technique, c).extreme;
+            let samples = self.count(technique) as f64;
+            let contribution = self.alpha(technique) * extreme.y / samples;
+            if contribution.abs() > largest.map_or(0.0, |l| l.contribution.abs()) {
+                let value = self.value_of(c);
+                largest = Some(Largest {
+                    technique,
+                    sample: extreme.index,
+                    contribution,
+                    share_of_value: (value != 0.0).then(|| contribution / value),
+                });
+            }
+        }
+        largest
+    }
+
+    /// The part of component `c` that technique `i`'s samples contribute.
+    pub(crate) fn share_of_value(&self, i: usize, c: usize) -> Option<f64> {
+        let value = self.value_of(c);
+        (value != 0.0).then(|| self.alpha(i) * self.moments(i, c).mean / value)
+    }
+
+    /// The part of the variance of component `c` that technique `i` is responsible for.
+    pub(crate) fn share_of_variance(&self, i: usize, c: usize) -> Option<f64> {
+        let error = self.error_of(c).filter(|error| *error > 0.0)?;
+        Some((self.error_from(i, c, self.value_of(c)) / error).powi(2))
     }
 }

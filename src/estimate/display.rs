@@ -37,7 +37,7 @@ impl<V: Value> Display for Estimate<V> {
 const POSITIONAL: RangeInclusive<i32> = -5..=15;
 
 /// `value` with the first `digits` digits of `error` in brackets.
-fn with_error(value: f64, error: Option<f64>, digits: usize) -> String {
+pub(crate) fn with_error(value: f64, error: Option<f64>, digits: usize) -> String {
     let positional = |x: f64| x == 0.0 || POSITIONAL.contains(&exponent(x, 1));
     let alone = if positional(value) { format!("{value}") } else { format!("{value:e}") };
     let Some(error) = error.filter(|error| error.is_finite() && value.is_finite()) else {

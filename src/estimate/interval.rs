@@ -71,7 +71,6 @@ impl Interval {
     ///
     /// Source: A. Maurer and M. Pontil, *Empirical Bernstein Bounds and Sample Variance
     /// Penalization*, 2009, arXiv:0907.3740, theorem 4, used on either side.
-    #[allow(dead_code)]
     pub(super) fn bernstein(value: f64, techniques: &[Bounded], level: f64) -> Self {
         let active = || techniques.iter().filter(|technique| technique.alpha > 0.0);
         let delta = (1.0 - level) / active().count() as f64;
@@ -91,7 +90,6 @@ impl Interval {
 
 /// What a technique's samples say about its contributions, whose mean over techniques, weighted
 /// by α_i, is the value; and what is known of them beforehand.
-#[allow(dead_code)]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounded {
     /// α_i.

@@ -4,6 +4,7 @@ mod combine;
 mod display;
 mod interval;
 
+pub(crate) use display::with_error;
 pub use interval::Interval;
 
 use std::marker::PhantomData;
@@ -112,31 +113,93 @@ impl<V: Value> Estimate<V> {
         V::each(|c| self.error_of(c).map(|e| e * e))
     }
 
-    /// The confidence interval at `level`, such as 0.95, from Student's t distribution: the
-    /// value ± t · standard error. The whole line where the standard error is unknown.
+    /// The confidence interval at `level`, such as 0.95: Student's t interval, its ends moved for
+    /// the skewness of the contributions. The whole line where the standard error is unknown.
     ///
-    /// The degrees of freedom are N - 1 (one-sample) or those of Welch and Satterthwaite,
-    /// V² / Σ v_i² / (n_i - 1) for V = Σ v_i (multi-sample). The interval holds its level where
-    /// the mean of contributions is close to normal; strongly skewed contributions need many
-    /// samples for that. Where a technique with two or three samples dominates the variance, even
-    /// these degrees of freedom are too many: from normal contributions with n = (2, 1000), 95 %
-    /// intervals cover 92 %.
+    /// With the value F, its standard error e, and its skewness g = Σ α_i³ μ_i / n_i² / e³ (one-sample:
+    /// γ / √N), from the third central moments μ_i, it is the set of values for which
+    /// |T + g T²/3 + g² T³/27 + g/6| ≤ t, where T = (F - value) / e. Rare large contributions make
+    /// means that are low together with their errors; the t interval then misses on one side, this
+    /// one much less. It equals the t interval where g = 0. [`kappa`](Estimate::kappa) says how far
+    /// either can be trusted.
     ///
-    /// Source: F. E. Satterthwaite, *An Approximate Distribution of Estimates of Variance
-    /// Components*, 1946, doi:10.2307/3002019.
+    /// The degrees of freedom of t are N - 1 (one-sample) or those of Welch and Satterthwaite,
+    /// V² / Σ v_i² / (n_i - 1) for V = Σ v_i (multi-sample). Where a technique with two or three
+    /// samples dominates the variance, even these are too many: from normal contributions with
+    /// n = (2, 1000), 95 % t intervals cover 92 %.
+    ///
+    /// Sources: P. Hall, *On the Removal of Skewness by Transformation*, 1992; F. E. Satterthwaite,
+    /// *An Approximate Distribution of Estimates of Variance Components*, 1946,
+    /// doi:10.2307/3002019.
     ///
     /// # Errors
     ///
     /// `level` must be greater than 0 and less than 1.
     pub fn interval(&self, level: f64) -> Result<V::Each<Interval>, ArgumentError> {
-        if !(level > 0.0 && level < 1.0) {
-            let rule = "it must be greater than 0 and less than 1";
-            return Err(ArgumentError::new("Estimate::interval", "level", level, rule));
+        check_level("Estimate::interval", level)?;
+        Ok(V::each(|c| self.interval_of(c, level)))
+    }
+
+    /// Student's t interval at `level`: the value ± t · standard error, with the degrees of freedom
+    /// of [`interval`](Estimate::interval).
+    ///
+    /// # Errors
+    ///
+    /// `level` must be greater than 0 and less than 1.
+    pub fn interval_t(&self, level: f64) -> Result<V::Each<Interval>, ArgumentError> {
+        check_level("Estimate::interval_t", level)?;
+        Ok(V::each(|c| Interval::student(self.value_of(c), self.error_with_freedom(c), level)))
+    }
+
+    /// The empirical Bernstein interval at `level`, for contributions
+    /// y = w f / (α p) that are known to lie in `bounds`: it holds its level for any number of
+    /// samples and however skewed they are. It is wider than the others.
+    ///
+    /// With the balance heuristic y = f / Σ α_k p_k, so bounds on y are bounds on the integrand over
+    /// the mixture of the pdfs. With δ = (1 - `level`) / K, technique i adds
+    /// α_i (s_i √(2 ln(4/δ) / n_i) + 7 (b - a) ln(4/δ) / (3 (n_i - 1))) to the half-width; one-sample,
+    /// all contributions are of one kind, and K = 1.
+    ///
+    /// Source: A. Maurer and M. Pontil, *Empirical Bernstein Bounds and Sample Variance
+    /// Penalization*, 2009, arXiv:0907.3740, theorem 4, used on either side.
+    ///
+    /// # Errors
+    ///
+    /// `level` must be greater than 0 and less than 1; the bounds must be finite and in order, and
+    /// the contribution of the largest magnitude must lie between them.
+    pub fn interval_within(
+        &self,
+        level: f64,
+        bounds: [f64; 2],
+    ) -> Result<V::Each<Interval>, ArgumentError> {
+        const OWNER: &str = "Estimate::interval_within";
+        check_level(OWNER, level)?;
+        let [a, b] = bounds;
+        if !(a < b && (b - a).is_finite()) {
+            let rule = "the first must be less than the second, and both finite";
+            return Err(ArgumentError::new(OWNER, "bounds", bounds, rule));
         }
-        Ok(V::each(|c| {
-            let error = self.error_of(c).map(|error| (error, self.degrees_of_freedom(c, error)));
-            Interval::student(self.value_of(c), error, level)
-        }))
+        for (i, c) in self.techniques_drawn().flat_map(|i| (0..V::COMPONENTS).map(move |c| (i, c)))
+        {
+            let y = self.of(i, c).extreme.y;
+            if !(a <= y && y <= b) {
+                let rule = format!("technique {i} has the contribution {y}");
+                return Err(ArgumentError::new(OWNER, "bounds", bounds, rule));
+            }
+        }
+        Ok(V::each(|c| Interval::bernstein(self.value_of(c), &self.bounded(c, (a, b)), level)))
+    }
+
+    /// κ, by which to judge whether an interval holds its level: the skewness of the value, each
+    /// technique's part taken as positive, Σ |α_i³ μ_i / n_i²| / e³ (one-sample: |γ| / √N). `None`
+    /// where the standard error is unknown; 0 where it is 0.
+    ///
+    /// Up to 0.07, 95 % intervals cover 94 to 96 %, if the contributions have a light tail. Above,
+    /// there are too few samples for so skewed contributions: the true value is found less often on
+    /// one side.
+    #[must_use]
+    pub fn kappa(&self) -> V::Each<Option<f64>> {
+        V::each(|c| self.kappa_of(c))
     }
 
     /// How many samples were drawn in all.
@@ -149,15 +212,9 @@ impl<V: Value> Estimate<V> {
     #[must_use]
     pub fn techniques(&self) -> impl ExactSizeIterator<Item = TechniqueSummary<V>> {
         self.techniques_drawn().map(|i| TechniqueSummary {
-            samples: self.part.counts[i].samples,
-            share_of_value: V::each(|c| {
-                let value = self.value_of(c);
-                (value != 0.0).then(|| self.alpha(i) * self.moments(i, c).mean / value)
-            }),
-            share_of_variance: V::each(|c| {
-                let error = self.error_of(c).filter(|error| *error > 0.0)?;
-                Some((self.error_from(i, c, self.value_of(c)) / error).powi(2))
-            }),
+            samples: self.count(i),
+            share_of_value: V::each(|c| self.share_of_value(i, c)),
+            share_of_variance: V::each(|c| self.share_of_variance(i, c)),
         })
     }
 
@@ -185,23 +242,15 @@ impl<V: Value> Estimate<V> {
     /// The contribution of the largest magnitude; `None` if all are 0.
     #[must_use]
     pub fn largest(&self) -> V::Each<Option<Largest>> {
-        V::each(|c| {
-            let mut largest: Option<Largest> = None;
-            for technique in self.techniques_drawn() {
-                let extreme = self.of(technique, c).extreme;
-                let samples = self.part.counts[technique].samples as f64;
-                let contribution = self.alpha(technique) * extreme.y / samples;
-                if contribution.abs() > largest.map_or(0.0, |l| l.contribution.abs()) {
-                    let value = self.value_of(c);
-                    largest = Some(Largest {
-                        technique,
-                        sample: extreme.index,
-                        contribution,
-                        share_of_value: (value != 0.0).then(|| contribution / value),
-                    });
-                }
-            }
-            largest
-        })
+        V::each(|c| self.largest_of(c))
+    }
+}
+
+fn check_level(owner: &'static str, level: f64) -> Result<(), ArgumentError> {
+    if level > 0.0 && level < 1.0 {
+        Ok(())
+    } else {
+        let rule = "it must be greater than 0 and less than 1";
+        Err(ArgumentError::new(owner, "level", level, rule))
     }
 }

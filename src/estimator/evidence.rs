@@ -47,7 +47,9 @@ impl Evidence {
                 inverse.iter_mut().zip(row).for_each(|(sum, p)| *sum += alpha * p);
             }
         }
-        inverse.iter_mut().for_each(|sum| *sum = 1.0 / *sum);
+        for sum in inverse.iter_mut() {
+            *sum = 1.0 / *sum;
+        }
         let sums = self.densities.iter_mut().skip(i * techniques);
         for (([sum, squares], row), alpha) in sums.zip(rows.clone()).zip(alpha) {
             if *alpha > 0.0 {

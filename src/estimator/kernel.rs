@@ -267,8 +267,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
                 self.weighting.ln_weight_over_ratio(i, ln_r, r) - largest
             }
         };
-        let ln_factor =
-            ln_weight_over_density + (self.density_factors[i] / self.alpha[i]).ln();
+        let ln_factor = ln_weight_over_density + (self.density_factors[i] / self.alpha[i]).ln();
         for c in 0..V::COMPONENTS {
             let y = &mut y[c * self.block + j];
             *y = value.times_exp(c, ln_factor);

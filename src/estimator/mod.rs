@@ -6,6 +6,7 @@ mod multi_sample;
 mod one_sample;
 mod sample;
 
+pub(crate) use crate::estimate::Design;
 pub(crate) use evidence::Evidence;
 pub use multi_sample::MultiSample;
 pub use one_sample::OneSample;
@@ -15,7 +16,7 @@ use std::fmt::Debug;
 use std::ops::Range;
 
 use crate::error::{ArgumentError, EstimateError};
-use crate::estimate::{Design, Estimate};
+use crate::estimate::Estimate;
 use crate::integrand::Integrand;
 use crate::part::Part;
 use crate::points::{PointSource, Random};
@@ -99,10 +100,18 @@ pub trait Draw<P>: Sync {
         F: Integrand<P> + ?Sized,
         S: PointSource + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>);
+
+    /// Shows the first `each` samples of every technique, or as many times as many as there are
+    /// techniques.
+    fn probe<F, S, I>(&self, f: &F, points: &S, each: u64, inspect: I) -> Result<(), EstimateError>
+    where
+        F: Integrand<P> + ?Sized,
+        S: PointSource + ?Sized,
+        I: FnMut(&Sample<'_, P, F::Value>);
 }
 
 /// What an estimator is, apart from its techniques.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Frame<'a> {
     pub(crate) design: Design,
     /// α_i.
@@ -110,6 +119,21 @@ pub struct Frame<'a> {
     /// N.
     pub(crate) samples: u64,
     pub(crate) on_fault: OnFault,
+    pub(crate) weighting: &'a dyn Debug,
+}
+
+impl Debug for Frame<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (name, shares) = match self.design {
+            Design::Stratified => ("multi-sample", "shares"),
+            Design::Pooled => ("one-sample", "probabilities"),
+        };
+        write!(f, "{name}, {shares} {:?}, weighting {:?}", self.shares, self.weighting)?;
+        match self.on_fault {
+            OnFault::Error => Ok(()),
+            OnFault::CountAsZero { at_most } => write!(f, ", at most {at_most} may be faults"),
+        }
+    }
 }
 
 /// Samples per block: the buffers of a few techniques fit the first-level cache, and a virtual

@@ -117,7 +117,7 @@ impl<P, W> MultiSample<'_, P, W> {
 impl<P: Debug, W: Weighting> Draw<P> for MultiSample<'_, P, W> {
     fn frame(&self) -> Frame<'_> {
         let (shares, samples, on_fault) = (&self.alpha, self.total, self.on_fault);
-        Frame { design: Design::Stratified, shares, samples, on_fault }
+        Frame { design: Design::Stratified, shares, samples, on_fault, weighting: &self.weighting }
     }
 
     fn draw<F, S, I>(
@@ -126,7 +126,7 @@ impl<P: Debug, W: Weighting> Draw<P> for MultiSample<'_, P, W> {
         points: &S,
         range: Range<u64>,
         evidence: Option<Evidence>,
-        mut inspect: I,
+        inspect: I,
     ) -> Result<(Part, Option<Evidence>), EstimateError>
     where
         F: Integrand<P> + ?Sized,
@@ -135,6 +135,36 @@ impl<P: Debug, W: Weighting> Draw<P> for MultiSample<'_, P, W> {
     {
         let own = |i| self.of_the_first(range.start, i)..self.of_the_first(range.end, i);
         let ranges: Vec<Range<u64>> = (0..self.techniques.len()).map(own).collect();
+        self.draw_each(f, points, &ranges, evidence, inspect)
+    }
+
+    fn probe<F, S, I>(&self, f: &F, points: &S, each: u64, inspect: I) -> Result<(), EstimateError>
+    where
+        F: Integrand<P> + ?Sized,
+        S: PointSource + ?Sized,
+        I: FnMut(&Sample<'_, P, F::Value>),
+    {
+        let own = |alpha: &f64| 0..if *alpha > 0.0 { each } else { 0 };
+        let ranges: Vec<Range<u64>> = self.alpha.iter().map(own).collect();
+        self.draw_each(f, points, &ranges, None, inspect).map(|_| ())
+    }
+}
+
+impl<P: Debug, W: Weighting> MultiSample<'_, P, W> {
+    /// Draws a range of each technique's samples.
+    fn draw_each<F, S, I>(
+        &self,
+        f: &F,
+        points: &S,
+        ranges: &[Range<u64>],
+        evidence: Option<Evidence>,
+        mut inspect: I,
+    ) -> Result<(Part, Option<Evidence>), EstimateError>
+    where
+        F: Integrand<P> + ?Sized,
+        S: PointSource + ?Sized,
+        I: FnMut(&Sample<'_, P, F::Value>),
+    {
         let most = ranges.iter().map(|range| range.end - range.start).max().unwrap_or(0);
         let kernel = Kernel {
             techniques: &self.techniques,

@@ -135,7 +135,8 @@ impl<'a, P, W> OneSample<'a, P, W> {
 impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
     fn frame(&self) -> Frame<'_> {
         let (shares, samples, on_fault) = (&self.probabilities, self.samples, self.on_fault);
-        Frame { design: Design::Pooled, shares, samples, on_fault }
+        let weighting = &self.weighting;
+        Frame { design: Design::Pooled, shares, samples, on_fault, weighting }
     }
 
     fn draw<F, S, I>(
@@ -190,6 +191,16 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
             }
         }
         Ok(sums.finish())
+    }
+
+    fn probe<F, S, I>(&self, f: &F, points: &S, each: u64, inspect: I) -> Result<(), EstimateError>
+    where
+        F: Integrand<P> + ?Sized,
+        S: PointSource + ?Sized,
+        I: FnMut(&Sample<'_, P, F::Value>),
+    {
+        let samples = each * self.techniques.len() as u64;
+        self.draw(f, points, 0..samples, None, inspect).map(|_| ())
     }
 }
 

@@ -96,6 +96,11 @@ impl<'a, P, V: Value> Sample<'a, P, V> {
     /// over all samples is the estimate.
     #[must_use]
     pub fn contribution(&self) -> V::Each<f64> {
-        V::each(|c| self.y.get(c * self.stride).copied().unwrap_or(f64::NAN))
+        V::each(|c| self.contribution_to(c))
+    }
+
+    /// NaN for a component that there is not.
+    pub(crate) fn contribution_to(&self, c: usize) -> f64 {
+        self.y.get(c * self.stride).copied().unwrap_or(f64::NAN)
     }
 }

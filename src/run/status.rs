@@ -64,11 +64,11 @@ pub enum Doubt {
         /// How many samples it has drawn.
         samples: u64,
     },
-    /// A technique that matters has few contributions that are not 0.
+    /// Few contributions are not 0: of a technique that matters, or of all together.
     #[non_exhaustive]
     FewContributions {
-        /// The technique.
-        technique: usize,
+        /// The technique; `None` for all together.
+        technique: Option<usize>,
         /// How many are not 0.
         contributions: u64,
     },
@@ -109,10 +109,12 @@ impl Display for Doubt {
             Self::Samples { technique, samples } => {
                 write!(f, "technique {technique} has drawn {samples} sample: no error is known")
             }
-            Self::FewContributions { technique, contributions } => write!(
-                f,
-                "only {contributions} contributions of technique {technique} are not 0"
-            ),
+            Self::FewContributions { technique: None, contributions } => {
+                write!(f, "only {contributions} contributions are not 0")
+            }
+            Self::FewContributions { technique: Some(technique), contributions } => {
+                write!(f, "only {contributions} contributions of technique {technique} are not 0")
+            }
             Self::Skewed { component, kappa } => write!(
                 f,
                 "the contributions to component {component} are too skewed for so few samples \

@@ -216,9 +216,9 @@ impl std::fmt::Display for Target {
         }
         let mut tolerance = words.join(" or ");
         if self.has_tolerance() {
-            tolerance.push_str(&format!(" at {} %", 100.0 * self.confidence));
+            tolerance = format!("{tolerance} at {} %", 100.0 * self.confidence);
             if self.norm != Norm::Each {
-                tolerance.push_str(&format!(" ({:?})", self.norm));
+                tolerance = format!("{tolerance} ({:?})", self.norm);
             }
         }
         let limits = [

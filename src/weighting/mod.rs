@@ -32,6 +32,8 @@ pub use cutoff::Cutoff;
 pub use maximum::Maximum;
 pub use power::Power;
 
+use std::fmt::Debug;
+
 use crate::error::ArgumentError;
 
 /// A weighting heuristic.
@@ -43,6 +45,7 @@ use crate::error::ArgumentError;
 /// use mis::weighting::{Weighting, weights};
 ///
 /// /// The balance heuristic with a confidence v_i in each technique: w_i = v_i q_i / Σ v_k q_k.
+/// #[derive(Debug)]
 /// struct Confidence(Vec<f64>);
 ///
 /// impl Weighting for Confidence {
@@ -53,7 +56,7 @@ use crate::error::ArgumentError;
 /// assert_eq!(weights(&Confidence(vec![3.0, 1.0]), &[1.0, 1.0]), Some(vec![0.75, 0.25]));
 /// ```
 #[doc(alias("heuristic", "combination"))]
-pub trait Weighting: Sync {
+pub trait Weighting: Sync + Debug {
     /// w_i / r_i at a point where technique `i` has just drawn a sample, from all the ratios
     /// r_k = q_k / max q (the largest is exactly 1).
     ///

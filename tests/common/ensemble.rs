@@ -39,6 +39,12 @@ impl Any {
     }
 }
 
+impl std::fmt::Debug for Any {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
 impl Weighting for &Any {
     fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64 {
         self.1.weight_over_ratio(i, r)

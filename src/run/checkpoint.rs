@@ -1,0 +1,212 @@
+//! Runs in files.
+//!
+//! A file is a magic word, the version of the format, the length of what follows, the run as
+//! postcard encodes it, and a CRC-64 of all that. It is written beside the old one, flushed to the
+//! disk and then renamed, so that there is a whole file at any time.
+
+use std::fs::{self, File};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use crc::{CRC_64_XZ, Crc};
+use serde::{Deserialize, Serialize};
+
+use super::error::CheckpointError;
+use super::state::Round;
+
+const MAGIC: [u8; 8] = *b"mis-run\n";
+
+/// Changes whenever old files cannot be continued.
+const VERSION: u32 = 1;
+
+const HEADER: usize = MAGIC.len() + 4 + 8;
+
+const CHECKSUM: usize = 8;
+
+const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
+
+/// What makes a run this run: all that its bits depend on, as far as it can be told.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Identity {
+    /// Design, shares and faults of the estimator.
+    pub(super) estimator: String,
+    pub(super) components: usize,
+    /// How many sums a tally has.
+    pub(super) sums: usize,
+    /// Of the contributions of the first samples: what seed, techniques, weighting and integrand
+    /// come to.
+    pub(super) first_samples: u64,
+    pub(super) label: String,
+}
+
+impl Identity {
+    /// The first difference, in words.
+    fn difference(&self, other: &Self) -> Option<String> {
+        let differ = |what: &str, a: &dyn std::fmt::Debug, b: &dyn std::fmt::Debug| {
+            Some(format!("its {what} is {a:?}, not {b:?}"))
+        };
+        if self.label != other.label {
+            differ("label", &self.label, &other.label)
+        } else if self.components != other.components {
+            differ("number of components", &self.components, &other.components)
+        } else if self.sums != other.sums {
+            differ("number of sums", &self.sums, &other.sums)
+        } else if self.estimator != other.estimator {
+            differ("estimator", &self.estimator, &other.estimator)
+        } else if self.first_samples != other.first_samples {
+            Some(
+                "its first samples contribute something else: another seed, integrand, technique, \
+                 weighting, or build"
+                    .into(),
+            )
+        } else {
+            None
+        }
+    }
+}
+
+/// One of several processes that divide a run among them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Shard {
+    pub(super) index: u64,
+    pub(super) of: u64,
+}
+
+/// All that a file holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Saved {
+    pub(super) identity: Identity,
+    pub(super) shard: Shard,
+    /// The most samples that the run was to draw; shards divide them.
+    pub(super) limit: u64,
+    pub(super) rounds: Vec<Round>,
+}
+
+impl Saved {
+    /// # Errors
+    ///
+    /// The file is of another run, or of another shard of it.
+    pub(super) fn check(
+        &self,
+        path: &Path,
+        identity: &Identity,
+        shard: Shard,
+    ) -> Result<(), CheckpointError> {
+        let mut difference = self.identity.difference(identity);
+        if difference.is_none() && self.shard != shard {
+            let name = |shard: Shard| format!("shard {} of {}", shard.index, shard.of);
+            difference = Some(format!("it is {}, not {}", name(self.shard), name(shard)));
+        }
+        match difference {
+            Some(difference) => Err(CheckpointError::OtherRun { path: path.into(), difference }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The CRC-64 of some words.
+pub(super) fn digest(words: impl IntoIterator<Item = u64>) -> u64 {
+    let mut digest = CRC.digest();
+    for word in words {
+        digest.update(&word.to_le_bytes());
+    }
+    digest.finalize()
+}
+
+/// The run in the file at `path`; `None` if there is no file.
+pub(super) fn load(path: &Path) -> Result<Option<Saved>, CheckpointError> {
+    match fs::read(path) {
+        Ok(bytes) => decode(&bytes)
+            .map(Some)
+            .map_err(|problem| CheckpointError::Damaged { path: path.into(), problem }),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(system(path, "reading", error)),
+    }
+}
+
+/// Puts the run into the file at `path`, all of it or nothing.
+pub(super) fn save(path: &Path, saved: &Saved) -> Result<(), CheckpointError> {
+    let bytes =
+        encode(saved).map_err(|problem| CheckpointError::Damaged { path: path.into(), problem })?;
+    let temporary = beside(path);
+    let write = || {
+        let mut file = File::create(&temporary)?;
+        file.write_all(&bytes)?;
+        file.sync_all()?;
+        fs::rename(&temporary, path)?;
+        // The new name is on the disk when its folder is. Not every system can open one.
+        if let Ok(folder) = File::open(folder_of(path)) {
+            folder.sync_all().ok();
+        }
+        Ok(())
+    };
+    write().map_err(|error| {
+        fs::remove_file(&temporary).ok();
+        system(path, "writing", error)
+    })
+}
+
+fn system(path: &Path, action: &'static str, error: std::io::Error) -> CheckpointError {
+    CheckpointError::System { path: path.into(), action, error }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// A name in the same folder that no other process has.
+fn beside(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.tmp", std::process::id()));
+    path.with_file_name(name)
+}
+
+fn encode(saved: &Saved) -> Result<Vec<u8>, String> {
+    let payload = postcard::to_stdvec(saved).map_err(|error| error.to_string())?;
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend((payload.len() as u64).to_le_bytes());
+    bytes.extend(payload);
+    bytes.extend(CRC.checksum(&bytes).to_le_bytes());
+    Ok(bytes)
+}
+
+fn decode(bytes: &[u8]) -> Result<Saved, String> {
+    let Some((magic, rest)) = bytes.split_first_chunk::<8>() else {
+        return Err(format!("it has {} bytes, less than any checkpoint", bytes.len()));
+    };
+    if *magic != MAGIC {
+        return Err("it does not begin like a checkpoint".into());
+    }
+    let (Some((version, rest)), true) =
+        (rest.split_first_chunk::<4>(), bytes.len() >= HEADER + CHECKSUM)
+    else {
+        return Err(format!("it ends after {} bytes, within its header", bytes.len()));
+    };
+    let version = u32::from_le_bytes(*version);
+    if version != VERSION {
+        return Err(format!("its format is version {version}; this build reads {VERSION}"));
+    }
+    let Some((body, checksum)) = bytes.split_last_chunk::<CHECKSUM>() else {
+        return Err("it has no checksum".into());
+    };
+    let length = rest.first_chunk::<8>().map_or(0, |length| u64::from_le_bytes(*length));
+    if length != (bytes.len() - HEADER - CHECKSUM) as u64 {
+        let found = bytes.len() - HEADER - CHECKSUM;
+        return Err(format!(
+            "it should hold {length} bytes and holds {found}: it was cut or joined"
+        ));
+    }
+    if CRC.checksum(body) != u64::from_le_bytes(*checksum) {
+        return Err("its checksum does not match: it was damaged".into());
+    }
+    let payload = body.get(HEADER..).unwrap_or_default();
+    match postcard::take_from_bytes(payload) {
+        Ok((saved, [])) => Ok(saved),
+        Ok((_, rest)) => Err(format!("there are {} bytes too many", rest.len())),
+        Err(error) => Err(format!("its contents cannot be read: {error}")),
+    }
+}

@@ -1,0 +1,264 @@
+//! The chunks of a round, drawn by one thread or by several.
+
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+use std::marker::PhantomData;
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use super::error::RunFault;
+use super::progress::Cancel;
+use super::schedule::Span;
+use super::state::{Leaf, Round};
+use super::tally::{Cells, Pending, Tally};
+use super::threads::Threads;
+use super::tree::Node;
+use crate::estimator::{Draw, Evidence, Sample};
+use crate::integrand::{Integrand, Value};
+use crate::points::PointSource;
+
+/// What is drawn.
+pub(super) struct Job<'a, P, F: ?Sized, E: ?Sized, S: ?Sized, O> {
+    pub(super) estimator: &'a E,
+    pub(super) f: &'a F,
+    pub(super) points: &'a S,
+    pub(super) observer: &'a O,
+    pub(super) point: PhantomData<fn(P)>,
+}
+
+/// Whom samples are shown to.
+pub(super) trait Observer<P, V>: Sync {
+    /// How many sums it makes.
+    fn sums(&self) -> usize;
+
+    fn observe(&self, sample: &Sample<'_, P, V>, tally: &mut Tally<'_>);
+}
+
+/// Nobody.
+impl<P, V> Observer<P, V> for () {
+    fn sums(&self) -> usize {
+        0
+    }
+
+    fn observe(&self, _: &Sample<'_, P, V>, _: &mut Tally<'_>) {}
+}
+
+/// A function, and how many sums it makes.
+impl<P, V, C: Fn(&Sample<'_, P, V>, &mut Tally<'_>) + Sync> Observer<P, V> for (usize, C) {
+    fn sums(&self) -> usize {
+        self.0
+    }
+
+    fn observe(&self, sample: &Sample<'_, P, V>, tally: &mut Tally<'_>) {
+        self.1(sample, tally);
+    }
+}
+
+/// When to begin no more samples.
+#[derive(Debug)]
+pub(super) struct Brake<'a> {
+    cancel: Option<&'a Cancel>,
+    deadline: Option<Instant>,
+    pulled: AtomicBool,
+}
+
+impl<'a> Brake<'a> {
+    pub(super) fn new(cancel: Option<&'a Cancel>, deadline: Option<Instant>) -> Self {
+        Self { cancel, deadline, pulled: AtomicBool::new(false) }
+    }
+
+    pub(super) fn pull(&self) {
+        self.pulled.store(true, Ordering::Relaxed);
+    }
+
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.pulled.load(Ordering::Relaxed) || self.cancel.is_some_and(Cancel::is_cancelled)
+    }
+
+    pub(super) fn is_late(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    fn applies(&self) -> bool {
+        self.is_cancelled() || self.is_late()
+    }
+}
+
+/// An integrand that is evaluated no more once the brake applies. What is drawn then is thrown
+/// away.
+struct Braked<'a, F: ?Sized> {
+    f: &'a F,
+    brake: &'a Brake<'a>,
+    skipped: AtomicBool,
+}
+
+impl<P, F: Integrand<P> + ?Sized> Integrand<P> for Braked<'_, F> {
+    type Value = F::Value;
+
+    fn eval(&self, x: &P) -> F::Value {
+        self.f.eval(x)
+    }
+
+    fn eval_batch(&self, xs: &[P], out: &mut [F::Value]) {
+        if self.brake.applies() {
+            self.skipped.store(true, Ordering::Relaxed);
+            out.fill(F::Value::zero());
+        } else {
+            self.f.eval_batch(xs, out);
+        }
+    }
+}
+
+/// How the work on a round ended.
+#[derive(Debug)]
+pub(super) enum Outcome {
+    Done,
+    Interrupted,
+    /// The lowest chunk that failed.
+    Failed(RunFault),
+}
+
+/// What the threads share.
+struct Shared<'a> {
+    round: &'a mut Round,
+    /// The chunk that the round needs next.
+    next: u64,
+    /// Chunks that were done before it.
+    early: BTreeMap<u64, Leaf>,
+    failure: Option<(u64, RunFault)>,
+}
+
+impl<P, F, E, S, O> Job<'_, P, F, E, S, O>
+where
+    P: Debug,
+    F: Integrand<P> + Sync + ?Sized,
+    E: Draw<P> + ?Sized,
+    S: PointSource + ?Sized,
+    O: Observer<P, F::Value>,
+{
+    /// Draws the chunks `todo` of a round, which follow those that are there. `tick` is called
+    /// by this thread between chunks.
+    ///
+    /// Chunks enter the round in their order, so that it holds all chunks up to some one at any
+    /// time.
+    pub(super) fn complete(
+        &self,
+        span: &Span,
+        todo: Range<u64>,
+        round: &mut Round,
+        threads: &Threads,
+        brake: &Brake<'_>,
+        tick: &mut dyn FnMut(&Round),
+    ) -> Outcome {
+        let end = todo.end;
+        let next = AtomicU64::new(todo.start);
+        // Chunks from here on are of no use: an earlier one has failed.
+        let limit = AtomicU64::new(end);
+        let shared = Shared { round, next: todo.start, early: BTreeMap::new(), failure: None };
+        let shared = Mutex::new(shared);
+        let work = |tick: &mut dyn FnMut(&Round)| {
+            let tails = self.estimator.frame().shares.len() * F::Value::COMPONENTS;
+            let mut thresholds = vec![0.0; tails];
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                if index >= limit.load(Ordering::Relaxed) || brake.applies() {
+                    return;
+                }
+                let drawn = self.chunk(span.chunk(index), &thresholds, brake);
+                let mut shared = lock(&shared);
+                match drawn {
+                    Ok(None) => return,
+                    Ok(Some(leaf)) => shared.push(span, index, leaf),
+                    Err(fault) => {
+                        limit.fetch_min(index, Ordering::Relaxed);
+                        shared.fail(index, fault);
+                    }
+                }
+                shared.round.thresholds(&mut thresholds);
+                tick(shared.round);
+            }
+        };
+        threads.run(end - todo.start, &|| work(&mut |_| ()), || {
+            // A watcher that panics takes the run along, but not before the threads have ended.
+            if let Err(panic) = catch_unwind(AssertUnwindSafe(|| work(tick))) {
+                brake.pull();
+                resume_unwind(panic);
+            }
+        });
+        let Shared { next, failure, .. } =
+            shared.into_inner().unwrap_or_else(PoisonError::into_inner);
+        match failure {
+            Some((_, fault)) => Outcome::Failed(fault),
+            None if next == end => Outcome::Done,
+            None => Outcome::Interrupted,
+        }
+    }
+
+    /// What the samples of a range come to; `None` if the brake was applied before they were all
+    /// drawn.
+    fn chunk(
+        &self,
+        range: Range<u64>,
+        thresholds: &[f64],
+        brake: &Brake<'_>,
+    ) -> Result<Option<Leaf>, RunFault> {
+        let Range { start, end } = range;
+        let f = Braked { f: self.f, brake, skipped: AtomicBool::new(false) };
+        let techniques = self.estimator.frame().shares.len();
+        let mut cells = Cells::new(techniques, self.observer.sums());
+        let drawn = caught(|| {
+            let evidence = Some(Evidence::new(techniques, thresholds));
+            if self.observer.sums() == 0 {
+                return self.estimator.draw(&f, self.points, range, evidence, |_| ());
+            }
+            let mut pending = Pending::default();
+            self.estimator.draw(&f, self.points, range, evidence, |sample| {
+                cells.sample(sample.technique(), &mut pending, |tally| {
+                    self.observer.observe(sample, tally);
+                });
+            })
+        });
+        if f.skipped.into_inner() {
+            return Ok(None);
+        }
+        let (part, evidence) =
+            drawn.map_err(|message| RunFault::Panic { first: start, last: end - 1, message })??;
+        let Evidence { mut tails, densities } = evidence.unwrap_or_default();
+        tails.iter_mut().for_each(crate::tail::Tail::prune);
+        Ok(Some(Leaf { node: Node { part, densities, cells }, tails }))
+    }
+}
+
+impl Shared<'_> {
+    fn push(&mut self, span: &Span, index: u64, leaf: Leaf) {
+        self.early.insert(index, leaf);
+        while let Some(leaf) = self.early.remove(&self.next) {
+            self.round.push(span, self.next, leaf);
+            self.next += 1;
+        }
+    }
+
+    fn fail(&mut self, index: u64, fault: RunFault) {
+        if self.failure.as_ref().is_none_or(|(lowest, _)| index < *lowest) {
+            self.failure = Some((index, fault));
+        }
+    }
+}
+
+/// A lock that a panic elsewhere does not close: what it guards is whole between calls.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What `work` returns, or what its panic said.
+pub(super) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic: Box<dyn Any + Send>| {
+        let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+        let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
+        text.unwrap_or_else(|| "a panic without a message".into())
+    })
+}
