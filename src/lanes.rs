@@ -62,23 +62,37 @@ fn cube(d: f64) -> f64 {
 /// Σ d and Σ d², with d = p · inverse - 1.
 #[inline]
 pub(crate) fn relative_sums(ps: &[f64], inverses: &[f64]) -> [f64; 2] {
-    let mut sums = [[0.0; LANES]; 2];
-    let [first, second] = &mut sums;
-    let (chunks, rest) = ps.as_chunks::<LANES>();
-    let (inverse_chunks, inverse_rest) = inverses.as_chunks::<LANES>();
-    for (chunk, inverse) in chunks.iter().zip(inverse_chunks) {
-        for l in 0..LANES {
-            let d = chunk[l] * inverse[l] - 1.0;
-            first[l] += d;
-            second[l] += d * d;
+    // A pass for each, as for the cubes.
+    let d = |p: f64, inverse: f64| p * inverse - 1.0;
+    [fold_pairs(ps, inverses, d), fold_pairs(ps, inverses, |p, inverse| d(p, inverse).powi(2))]
+}
+
+/// Σ `term`(x, y) in lanes.
+#[inline]
+fn fold_pairs(xs: &[f64], ys: &[f64], term: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut lanes = [0.0; LANES];
+    let ((x_chunks, x_rest), (y_chunks, y_rest)) =
+        (xs.as_chunks::<LANES>(), ys.as_chunks::<LANES>());
+    for (xs, ys) in x_chunks.iter().zip(y_chunks) {
+        for ((lane, x), y) in lanes.iter_mut().zip(xs).zip(ys) {
+            *lane += term(*x, *y);
         }
     }
-    for (l, (p, inverse)) in rest.iter().zip(inverse_rest).enumerate() {
-        let d = p * inverse - 1.0;
-        first[l] += d;
-        second[l] += d * d;
+    for ((lane, x), y) in lanes.iter_mut().zip(x_rest).zip(y_rest) {
+        *lane += term(*x, *y);
     }
-    sums.map(pairwise)
+    pairwise(lanes)
+}
+
+/// The first x of magnitude `magnitude`.
+#[inline]
+pub(crate) fn position_of_magnitude(xs: &[f64], magnitude: f64) -> Option<usize> {
+    let is = |x: &f64| x.abs() == magnitude;
+    // Whole chunks are compared without a branch for each element.
+    let chunks = xs.as_chunks::<LANES>().0;
+    let missed = |chunk: &&[f64; LANES]| !chunk.iter().fold(false, |found, x| found | is(x));
+    let skipped = LANES * chunks.iter().take_while(missed).count();
+    xs.iter().skip(skipped).position(is).map(|at| skipped + at)
 }
 
 fn pairwise([a, b, c, d, e, f, g, h]: [f64; LANES]) -> f64 {
@@ -95,6 +109,7 @@ pub(crate) fn least(xs: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{least, sum_and_squares, sum_of_cubes, sum_of_cubes_and_largest};
+    use super::{position_of_magnitude, relative_sums};
 
     #[test]
     fn every_element_counts_at_every_length() {
@@ -122,6 +137,30 @@ mod tests {
                 assert_eq!(sum_of_cubes_and_largest(&with(-100.0), 0.0).1, 100.0);
             }
             assert_eq!(least(&xs), 0.0);
+        }
+    }
+
+    #[test]
+    fn pairs_are_summed_at_every_length() {
+        for n in 1..40_u32 {
+            let ps: Vec<f64> = (0..n).map(f64::from).collect();
+            let inverses = vec![0.5; ps.len()];
+            let sum = f64::from(n * (n - 1)) / 4.0 - f64::from(n);
+            let squares: f64 = ps.iter().map(|p| (p / 2.0 - 1.0).powi(2)).sum();
+            assert_eq!(relative_sums(&ps, &inverses), [sum, squares]);
+        }
+    }
+
+    #[test]
+    fn the_first_of_a_magnitude_is_found() {
+        for n in 1..40 {
+            for at in 0..n {
+                let mut xs = vec![1.0; n];
+                xs[at] = -2.0;
+                xs[n - 1] = if at < n - 1 { 2.0 } else { xs[n - 1] };
+                assert_eq!(position_of_magnitude(&xs, 2.0), Some(at));
+                assert_eq!(position_of_magnitude(&xs, 3.0), None);
+            }
         }
     }
 }

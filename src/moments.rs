@@ -133,8 +133,9 @@ impl Accumulator {
     /// Adds a block of contributions with its moments; `index` numbers its samples.
     pub(crate) fn push(&mut self, ys: &[f64], block: Moments, index: impl Fn(usize) -> u64) {
         if block.largest > self.extreme.y.abs() {
-            let found = ys.iter().enumerate().find(|(_, y)| y.abs() == block.largest);
-            self.extreme = found.map_or(self.extreme, |(j, y)| Extreme { y: *y, index: index(j) });
+            if let Some(j) = lanes::position_of_magnitude(ys, block.largest) {
+                self.extreme = Extreme { y: ys[j], index: index(j) };
+            }
         }
         let (mut level, mut merged) = (0, block);
         while let Some(&(_, left)) = self.nodes.last().filter(|node| node.0 == level) {

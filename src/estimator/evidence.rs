@@ -2,14 +2,24 @@
 
 use std::slice::ChunksExact;
 
+use serde::{Deserialize, Serialize};
+
 use crate::lanes;
+use crate::moments::Moments;
 use crate::tail::Tail;
 
-/// The tails of the contributions, and the agreement of samplers and pdfs.
+/// How many samples of each technique are looked at in a range.
+const LOOK: usize = 256;
+
+/// A closer look at some of the samples of a range: the first of each technique, up to 256.
+///
+/// The first chunks of a run hold no more than that, and are looked at as a whole; of full ones,
+/// the look would cost too much.
 #[derive(Debug, Clone, Default)]
 pub struct Evidence {
     /// One for each component of each technique, a technique's side by side.
     pub(crate) tails: Vec<Tail>,
+    pub(crate) seen: Vec<Seen>,
     /// Σ d and Σ d² over the samples of technique i, with d = p_k / Σ α_m p_m - 1, at i K + k.
     ///
     /// The mean of 1 + d over all samples, each technique by its share α_i, has the expectation
@@ -19,12 +29,53 @@ pub struct Evidence {
     pub(crate) densities: Vec<[f64; 2]>,
 }
 
+/// How many samples of a technique were looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub(crate) struct Seen {
+    pub(crate) samples: u64,
+    /// Of them, those whose contribution is not 0 in every component.
+    pub(crate) contributions: u64,
+}
+
 impl Evidence {
     /// Room for the evidence on `techniques` and their components; tails begin at `thresholds`.
     pub(crate) fn new(techniques: usize, thresholds: &[f64]) -> Self {
         Self {
             tails: thresholds.iter().copied().map(Tail::above).collect(),
+            seen: vec![Seen::default(); techniques],
             densities: vec![[0.0; 2]; techniques * techniques],
+        }
+    }
+
+    /// How many samples of a block of technique `i` are to be looked at: none if any were before.
+    pub(super) fn look(&self, i: usize, samples: usize) -> usize {
+        match self.seen.get(i) {
+            Some(seen) if seen.samples == 0 => samples.min(LOOK),
+            _ => 0,
+        }
+    }
+
+    /// Adds the contributions of samples of technique `i`: a row for each component. In its block,
+    /// `zeros` samples contribute 0, and the components have these moments.
+    pub(super) fn contributions<'a>(
+        &mut self,
+        i: usize,
+        rows: impl ExactSizeIterator<Item = &'a [f64]> + Clone,
+        zeros: u64,
+        blocks: &[Moments],
+    ) {
+        let samples = rows.clone().next().map_or(0, <[f64]>::len);
+        let is_some = |j: &usize| rows.clone().any(|y| y.get(*j).is_some_and(|y| *y != 0.0));
+        if let Some(seen) = self.seen.get_mut(i) {
+            let contributions = match zeros {
+                0 => samples,
+                _ => (0..samples).filter(is_some).count(),
+            };
+            *seen = Seen { samples: samples as u64, contributions: contributions as u64 };
+        }
+        let tails = self.tails.iter_mut().skip(i * rows.len());
+        for ((tail, y), block) in tails.zip(rows).zip(blocks) {
+            tail.push(y, block.largest);
         }
     }
 
@@ -38,21 +89,21 @@ impl Evidence {
         inverse: &mut [f64],
     ) {
         let techniques = alpha.len();
-        if alpha.iter().filter(|alpha| **alpha > 0.0).count() < 2 {
+        let active = || rows.clone().zip(alpha).enumerate().filter(|(_, (_, alpha))| **alpha > 0.0);
+        if active().count() < 2 {
             return;
         }
-        inverse.fill(0.0);
-        for (row, alpha) in rows.clone().zip(alpha) {
-            if *alpha > 0.0 {
-                inverse.iter_mut().zip(row).for_each(|(sum, p)| *sum += alpha * p);
+        for (n, (_, (row, alpha))) in active().enumerate() {
+            for (sum, p) in inverse.iter_mut().zip(row) {
+                *sum = if n == 0 { alpha * p } else { *sum + alpha * p };
             }
         }
         for sum in inverse.iter_mut() {
             *sum = 1.0 / *sum;
         }
-        let sums = self.densities.iter_mut().skip(i * techniques);
-        for (([sum, squares], row), alpha) in sums.zip(rows.clone()).zip(alpha) {
-            if *alpha > 0.0 {
+        for (k, (row, _)) in active() {
+            let row = row.get(..inverse.len()).unwrap_or(row);
+            if let Some([sum, squares]) = self.densities.get_mut(i * techniques + k) {
                 let [d, d2] = lanes::relative_sums(row, inverse);
                 *sum += d;
                 *squares += d2;

@@ -28,9 +28,9 @@ pub(super) struct Kernel<'a, P, W> {
     pub(super) block: usize,
 }
 
-/// Buffers, used again from block to block.
+/// Buffers, used again from block to block, and from range to range.
 #[derive(Debug)]
-pub(super) struct Buffers<P, V> {
+pub struct Buffers<P, V> {
     pub(super) xi: Vec<f64>,
     xs: Vec<P>,
     values: Vec<V>,
@@ -48,10 +48,26 @@ pub(super) struct Buffers<P, V> {
 }
 
 /// Room for the ratios r_k at one point, and their logarithms.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Ratios {
     r: Vec<f64>,
     ln_r: Vec<f64>,
+}
+
+impl<P, V> Buffers<P, V> {
+    pub(crate) fn new() -> Self {
+        Self {
+            xi: Vec::new(),
+            xs: Vec::new(),
+            values: Vec::new(),
+            pdfs: Vec::new(),
+            factors: Vec::new(),
+            y: Vec::new(),
+            blocks: Vec::new(),
+            ratios: Ratios::default(),
+            mixture: Vec::new(),
+        }
+    }
 }
 
 /// What is known of the samples so far.
@@ -72,21 +88,26 @@ impl Sums {
 }
 
 impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
-    pub(super) fn start<V: Value>(&self, evidence: Option<Evidence>) -> (Buffers<P, V>, Sums) {
+    /// Makes `buffers` fit, and begins the sums.
+    pub(super) fn start<V: Value>(
+        &self,
+        buffers: &mut Buffers<P, V>,
+        evidence: Option<Evidence>,
+    ) -> Sums {
         let techniques = self.techniques.len();
-        let buffers = Buffers {
-            xi: Vec::new(),
-            xs: Vec::new(),
-            values: vec![V::zero(); self.block],
-            pdfs: vec![0.0; self.block * techniques],
-            factors: vec![0.0; self.block],
-            y: vec![0.0; self.block * V::COMPONENTS],
-            blocks: vec![Moments::default(); V::COMPONENTS],
-            ratios: Ratios { r: vec![0.0; techniques], ln_r: vec![0.0; techniques] },
-            mixture: vec![0.0; self.block],
-        };
+        let Buffers { values, pdfs, factors, y, blocks, ratios, mixture, .. } = buffers;
+        values.resize(self.block, V::zero());
+        pdfs.resize(self.block * techniques, 0.0);
+        y.resize(self.block * V::COMPONENTS, 0.0);
+        blocks.resize(V::COMPONENTS, Moments::default());
+        for buffer in [factors, mixture] {
+            buffer.resize(self.block, 0.0);
+        }
+        for buffer in [&mut ratios.r, &mut ratios.ln_r] {
+            buffer.resize(techniques, 0.0);
+        }
         let contributions = vec![Accumulator::default(); V::COMPONENTS * techniques];
-        (buffers, Sums { contributions, counts: vec![Counts::default(); techniques], evidence })
+        Sums { contributions, counts: vec![Counts::default(); techniques], evidence }
     }
 
     /// Samples technique `i` at the `n` rows of `buffers.xi`, at most a block, and adds their
@@ -176,17 +197,16 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         }
         sums.counts[i].samples += n as u64;
         sums.counts[i].zero += zeros;
-        let own = i * F::Value::COMPONENTS..;
-        let contributions = &mut sums.contributions[own.clone()];
+        let contributions = &mut sums.contributions[i * F::Value::COMPONENTS..];
         for ((sum, y), block) in contributions.iter_mut().zip(rows.clone()).zip(&*blocks) {
             sum.push(&y[..n], *block, &index);
         }
-        if let Some(evidence) = &mut sums.evidence {
-            for ((tail, y), block) in evidence.tails[own].iter_mut().zip(rows).zip(&*blocks) {
-                tail.push(&y[..n], block.largest);
-            }
+        if let Some(evidence) = &mut sums.evidence
+            && let look @ 1.. = evidence.look(i, n)
+        {
+            evidence.contributions(i, rows.map(|y| &y[..look]), zeros, blocks);
             if constant.is_none() {
-                evidence.densities(i, self.alpha, &pdfs.chunks_exact(n), &mut mixture[..n]);
+                evidence.densities(i, self.alpha, &pdfs.chunks_exact(n), &mut mixture[..look]);
             }
         }
         Ok(())

@@ -7,7 +7,8 @@ mod one_sample;
 mod sample;
 
 pub(crate) use crate::estimate::Design;
-pub(crate) use evidence::Evidence;
+pub(crate) use evidence::{Evidence, Seen};
+pub(crate) use kernel::Buffers;
 pub use multi_sample::MultiSample;
 pub use one_sample::OneSample;
 pub use sample::{OnFault, Sample};
@@ -47,7 +48,8 @@ pub trait Estimator<P: Debug>: Draw<P> {
         I: FnMut(&Sample<'_, P, F::Value>),
     {
         let frame = self.frame();
-        let (part, _) = self.draw(f, points, 0..frame.samples, None, inspect)?;
+        let (part, _) =
+            self.draw(f, points, 0..frame.samples, None, &mut Buffers::new(), inspect)?;
         let all = part.all();
         frame.on_fault.check(all.faults(), all.samples)?;
         Ok(Estimate::new(frame.design, frame.shares, part))
@@ -94,6 +96,7 @@ pub trait Draw<P>: Sync {
         points: &S,
         range: Range<u64>,
         evidence: Option<Evidence>,
+        buffers: &mut Buffers<P, F::Value>,
         inspect: I,
     ) -> Result<(Part, Option<Evidence>), EstimateError>
     where

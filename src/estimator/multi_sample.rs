@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
-use super::kernel::Kernel;
+use super::kernel::{Buffers, Kernel};
 use super::sample::{OnFault, Sample};
 use super::{BLOCK, Draw, Dyn, Evidence, Frame, block_size, check_techniques};
 use crate::error::{ArgumentError, EstimateError};
@@ -126,6 +126,7 @@ impl<P: Debug, W: Weighting> Draw<P> for MultiSample<'_, P, W> {
         points: &S,
         range: Range<u64>,
         evidence: Option<Evidence>,
+        buffers: &mut Buffers<P, F::Value>,
         inspect: I,
     ) -> Result<(Part, Option<Evidence>), EstimateError>
     where
@@ -135,7 +136,7 @@ impl<P: Debug, W: Weighting> Draw<P> for MultiSample<'_, P, W> {
     {
         let own = |i| self.of_the_first(range.start, i)..self.of_the_first(range.end, i);
         let ranges: Vec<Range<u64>> = (0..self.techniques.len()).map(own).collect();
-        self.draw_each(f, points, &ranges, evidence, inspect)
+        self.draw_each(f, points, &ranges, evidence, buffers, inspect)
     }
 
     fn probe<F, S, I>(&self, f: &F, points: &S, each: u64, inspect: I) -> Result<(), EstimateError>
@@ -146,7 +147,7 @@ impl<P: Debug, W: Weighting> Draw<P> for MultiSample<'_, P, W> {
     {
         let own = |alpha: &f64| 0..if *alpha > 0.0 { each } else { 0 };
         let ranges: Vec<Range<u64>> = self.alpha.iter().map(own).collect();
-        self.draw_each(f, points, &ranges, None, inspect).map(|_| ())
+        self.draw_each(f, points, &ranges, None, &mut Buffers::new(), inspect).map(|_| ())
     }
 }
 
@@ -158,6 +159,7 @@ impl<P: Debug, W: Weighting> MultiSample<'_, P, W> {
         points: &S,
         ranges: &[Range<u64>],
         evidence: Option<Evidence>,
+        buffers: &mut Buffers<P, F::Value>,
         mut inspect: I,
     ) -> Result<(Part, Option<Evidence>), EstimateError>
     where
@@ -174,14 +176,14 @@ impl<P: Debug, W: Weighting> MultiSample<'_, P, W> {
             on_fault: self.on_fault,
             block: block_size(most),
         };
-        let (mut buffers, mut sums) = kernel.start(evidence);
+        let mut sums = kernel.start(buffers, evidence);
         for (i, (dimension, range)) in self.dimensions.iter().zip(ranges).enumerate() {
             for first in range.clone().step_by(BLOCK) {
                 let n = block_size(range.end - first);
                 buffers.xi.resize(n * dimension, 0.0);
                 points.fill(i, first, *dimension, &mut buffers.xi)?;
                 let index = |j: usize| first + j as u64;
-                kernel.block((i, n), index, f, &mut buffers, &mut sums, &mut inspect)?;
+                kernel.block((i, n), index, f, buffers, &mut sums, &mut inspect)?;
             }
         }
         Ok(sums.finish())

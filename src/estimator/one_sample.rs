@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
-use super::kernel::Kernel;
+use super::kernel::{Buffers, Kernel};
 use super::sample::{OnFault, Sample};
 use super::{BLOCK, Draw, Dyn, Evidence, Frame, block_size, check_techniques};
 use crate::discrete::Discrete;
@@ -145,6 +145,7 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
         points: &S,
         range: Range<u64>,
         evidence: Option<Evidence>,
+        buffers: &mut Buffers<P, F::Value>,
         mut inspect: I,
     ) -> Result<(Part, Option<Evidence>), EstimateError>
     where
@@ -160,7 +161,7 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
             on_fault: self.on_fault,
             block: block_size(range.end - range.start),
         };
-        let (mut buffers, mut sums) = kernel.start(evidence);
+        let mut sums = kernel.start(buffers, evidence);
         let dimension = 1 + self.dimensions.iter().copied().max().unwrap_or(0);
         let mut rows = Vec::new();
         let mut choices = Vec::with_capacity(kernel.block);
@@ -187,7 +188,7 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
                 }
                 let index = |j: usize| selected.get(j).copied().unwrap_or(u64::MAX);
                 let n = selected.len();
-                kernel.block((i, n), index, f, &mut buffers, &mut sums, &mut inspect)?;
+                kernel.block((i, n), index, f, buffers, &mut sums, &mut inspect)?;
             }
         }
         Ok(sums.finish())
@@ -200,7 +201,7 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
         I: FnMut(&Sample<'_, P, F::Value>),
     {
         let samples = each * self.techniques.len() as u64;
-        self.draw(f, points, 0..samples, None, inspect).map(|_| ())
+        self.draw(f, points, 0..samples, None, &mut Buffers::new(), inspect).map(|_| ())
     }
 }
 

@@ -19,6 +19,7 @@ use super::threads::Threads;
 use super::worker::{Brake, Job, Observer, Outcome, caught};
 use super::{Run, tally};
 use crate::error::ArgumentError;
+use crate::estimate::Estimate;
 use crate::estimator::{Estimator, Evidence, Frame};
 use crate::integrand::{Integrand, Value};
 use crate::part::{Counts, Part};
@@ -445,10 +446,9 @@ where
         let mut last = None;
         for own in session.rounds.iter().filter_map(Round::total) {
             let both = cumulative.map_or_else(|| own.clone(), |all| all.merge(&own));
-            rounds.push(RoundSummary {
-                estimate: self.judged(own.clone()).estimate,
-                cumulative: self.judged(both.clone()).estimate,
-            });
+            let estimate =
+                |leaf: &Leaf| Estimate::new(frame.design, frame.shares, leaf.node.part.clone());
+            rounds.push(RoundSummary { estimate: estimate(&own), cumulative: estimate(&both) });
             cumulative = Some(both);
             last = Some(own);
         }
@@ -501,10 +501,10 @@ where
     fn nothing(&self) -> Leaf {
         let techniques = self.frame().shares.len();
         let part = Part::empty(techniques, F::Value::COMPONENTS);
-        let Evidence { tails, densities } =
+        let Evidence { tails, seen, densities } =
             Evidence::new(techniques, &vec![0.0; techniques * F::Value::COMPONENTS]);
         let cells = tally::Cells::new(techniques, self.job.observer.sums());
-        Leaf { node: super::tree::Node { part, densities, cells }, tails }
+        Leaf { node: super::tree::Node { part, seen, densities, cells }, tails }
     }
 }
 
@@ -517,7 +517,7 @@ fn progress<V: Value>(
     all: Leaf,
     session: &Session,
 ) -> Progress {
-    let estimate = Judged::<V>::new(frame, all).estimate;
+    let estimate = Estimate::<V>::new(frame.design, frame.shares, all.node.part);
     let samples = estimate.samples();
     let elapsed = session.began.elapsed();
     let rate = samples.saturating_sub(session.loaded) as f64 / elapsed.as_secs_f64().max(1e-9);

@@ -5,7 +5,7 @@ use super::state::Leaf;
 use super::status::{Doubt, Status, Stop};
 use super::target::Target;
 use crate::estimate::Estimate;
-use crate::estimator::{Design, Frame};
+use crate::estimator::{Design, Frame, Seen};
 use crate::integrand::Value;
 use crate::tail::Tail;
 
@@ -45,17 +45,17 @@ impl<V: Value> Judged<V> {
         let density_scores = density_scores(frame, &leaf);
         let estimate = Estimate::new(frame.design, frame.shares, leaf.node.part);
         let mut judged = Self { estimate, k_hats: Vec::new(), density_scores, contributions };
-        judged.k_hats = judged.fit_tails(&leaf.tails);
+        judged.k_hats = judged.fit_tails(leaf.tails, &leaf.node.seen);
         judged
     }
 
-    fn fit_tails(&self, tails: &[Tail]) -> Vec<Option<f64>> {
-        let rows = tails.chunks(V::COMPONENTS.max(1)).zip(&self.contributions).enumerate();
-        rows.flat_map(|(i, (row, n))| {
-            let one = move |(c, tail): (usize, &Tail)| {
-                if self.matters(i, c) { k_hat(tail.magnitudes(), *n) } else { None }
+    fn fit_tails(&self, mut tails: Vec<Tail>, seen: &[Seen]) -> Vec<Option<f64>> {
+        let rows = tails.chunks_mut(V::COMPONENTS.max(1)).zip(seen).enumerate();
+        rows.flat_map(|(i, (row, seen))| {
+            let one = move |(c, tail): (usize, &mut Tail)| {
+                if self.matters(i, c) { k_hat(tail.magnitudes(), seen.contributions) } else { None }
             };
-            row.iter().enumerate().map(one)
+            row.iter_mut().enumerate().map(one)
         })
         .collect()
     }
@@ -158,29 +158,23 @@ impl Gate {
     }
 }
 
-/// Whether ∫ p_k = 1, as the samples of all techniques have it: the standard score of the mean of
-/// p_k / Σ α_m p_m. `None` where it cannot be said.
+/// Whether ∫ p_k = 1, as the samples of all techniques have it: the standard score of
+/// Σ α_i mean_i(p_k / Σ α_m p_m) - 1. `None` where it cannot be said.
+///
+/// The numbers of samples are taken as given where they are random, too.
 fn density_scores(frame: &Frame<'_>, leaf: &Leaf) -> Vec<Option<f64>> {
     let techniques = frame.shares.len();
-    let counts = &leaf.node.part.counts;
-    let all = leaf.node.part.all().samples as f64;
     let one = |k: usize| {
         let (mut mean, mut variance) = (0.0, 0.0);
         let column = leaf.node.densities.iter().skip(k).step_by(techniques);
-        let mut pooled = [0.0; 2];
-        for (([sum, squares], alpha), counts) in column.zip(frame.shares).zip(counts) {
-            let n = counts.samples as f64;
-            pooled = [pooled[0] + sum, pooled[1] + squares];
-            if *alpha > 0.0 && n > 1.0 {
+        for (([sum, squares], alpha), seen) in column.zip(frame.shares).zip(&leaf.node.seen) {
+            if *alpha > 0.0 {
+                let n = seen.samples as f64;
                 mean += alpha * sum / n;
                 variance += alpha * alpha * (squares - sum * sum / n) / (n - 1.0) / n;
             }
         }
-        if frame.design == Design::Pooled {
-            let [sum, squares] = pooled;
-            mean = sum / all;
-            variance = (squares - sum * sum / all) / (all - 1.0) / all;
-        }
+        // Of too few samples, these are infinite or NaN.
         let z = mean / variance.sqrt();
         (variance > 0.0 && z.is_finite()).then_some(z)
     };

@@ -6,10 +6,10 @@ use std::ops::Range;
 const FIRST: u64 = 1024;
 
 /// How many chunks a round is divided into, until chunks are full.
-const CHUNKS: u64 = 32;
+const CHUNKS: u64 = 16;
 
 /// The samples of a full chunk, or 512 for each technique if that is more.
-const FULL: u64 = 4096;
+const FULL: u64 = 8192;
 
 /// The samples of a round, and how they are divided.
 ///
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn full_chunks_give_every_technique_a_block() {
-        assert_eq!(Span::new(20, u64::MAX, 1).chunk(0).count(), 4096);
+        assert_eq!(Span::new(20, u64::MAX, 1).chunk(0).count(), 8192);
         assert_eq!(Span::new(20, u64::MAX, 64).chunk(0).count(), 512 * 64);
     }
 

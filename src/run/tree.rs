@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::tally::Cells;
+use crate::estimator::Seen;
 use crate::part::Part;
 
 /// What one chunk came to, or several that lie side by side.
@@ -10,6 +11,7 @@ use crate::part::Part;
 pub(super) struct Node {
     pub(super) part: Part,
     /// See [`Evidence`](crate::estimator::Evidence).
+    pub(super) seen: Vec<Seen>,
     pub(super) densities: Vec<[f64; 2]>,
     pub(super) cells: Cells,
 }
@@ -18,6 +20,10 @@ impl Node {
     /// Both together; `self` comes first.
     pub(super) fn merge(mut self, right: &Self) -> Self {
         self.part = self.part.merge(&right.part);
+        for (left, right) in self.seen.iter_mut().zip(&right.seen) {
+            left.samples += right.samples;
+            left.contributions += right.contributions;
+        }
         for (left, right) in self.densities.iter_mut().zip(&right.densities) {
             left.iter_mut().zip(right).for_each(|(left, right)| *left += right);
         }

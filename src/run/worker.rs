@@ -17,7 +17,7 @@ use super::state::{Leaf, Round};
 use super::tally::{Cells, Pending, Tally};
 use super::threads::Threads;
 use super::tree::Node;
-use crate::estimator::{Draw, Evidence, Sample};
+use crate::estimator::{Buffers, Draw, Evidence, Sample};
 use crate::integrand::{Integrand, Value};
 use crate::points::PointSource;
 
@@ -163,12 +163,13 @@ where
         let work = |tick: &mut dyn FnMut(&Round)| {
             let tails = self.estimator.frame().shares.len() * F::Value::COMPONENTS;
             let mut thresholds = vec![0.0; tails];
+            let mut buffers = Buffers::new();
             loop {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 if index >= limit.load(Ordering::Relaxed) || brake.applies() {
                     return;
                 }
-                let drawn = self.chunk(span.chunk(index), &thresholds, brake);
+                let drawn = self.chunk(span.chunk(index), &thresholds, &mut buffers, brake);
                 let mut shared = lock(&shared);
                 match drawn {
                     Ok(None) => return,
@@ -204,6 +205,7 @@ where
         &self,
         range: Range<u64>,
         thresholds: &[f64],
+        buffers: &mut Buffers<P, F::Value>,
         brake: &Brake<'_>,
     ) -> Result<Option<Leaf>, RunFault> {
         let Range { start, end } = range;
@@ -213,10 +215,10 @@ where
         let drawn = caught(|| {
             let evidence = Some(Evidence::new(techniques, thresholds));
             if self.observer.sums() == 0 {
-                return self.estimator.draw(&f, self.points, range, evidence, |_| ());
+                return self.estimator.draw(&f, self.points, range, evidence, buffers, |_| ());
             }
             let mut pending = Pending::default();
-            self.estimator.draw(&f, self.points, range, evidence, |sample| {
+            self.estimator.draw(&f, self.points, range, evidence, buffers, |sample| {
                 cells.sample(sample.technique(), &mut pending, |tally| {
                     self.observer.observe(sample, tally);
                 });
@@ -227,9 +229,8 @@ where
         }
         let (part, evidence) =
             drawn.map_err(|message| RunFault::Panic { first: start, last: end - 1, message })??;
-        let Evidence { mut tails, densities } = evidence.unwrap_or_default();
-        tails.iter_mut().for_each(crate::tail::Tail::prune);
-        Ok(Some(Leaf { node: Node { part, densities, cells }, tails }))
+        let Evidence { tails, seen, densities } = evidence.unwrap_or_default();
+        Ok(Some(Leaf { node: Node { part, seen, densities, cells }, tails }))
     }
 }
 
