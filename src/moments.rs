@@ -132,10 +132,10 @@ pub(crate) struct Accumulator {
 impl Accumulator {
     /// Adds a block of contributions with its moments; `index` numbers its samples.
     pub(crate) fn push(&mut self, ys: &[f64], block: Moments, index: impl Fn(usize) -> u64) {
-        if block.largest > self.extreme.y.abs() {
-            if let Some(j) = lanes::position_of_magnitude(ys, block.largest) {
-                self.extreme = Extreme { y: ys[j], index: index(j) };
-            }
+        if block.largest > self.extreme.y.abs()
+            && let Some(j) = lanes::position_of_magnitude(ys, block.largest)
+        {
+            self.extreme = Extreme { y: ys[j], index: index(j) };
         }
         let (mut level, mut merged) = (0, block);
         while let Some(&(_, left)) = self.nodes.last().filter(|node| node.0 == level) {

@@ -6,23 +6,25 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::checkpoint::{self, Identity, Saved, Shard};
-use super::error::{CheckpointError, RunError, RunFault};
+use super::Run;
+use super::checkpoint::{self, Identity};
+use super::error::{RunError, RunFault};
 use super::judge::{Gate, Judged};
 use super::progress::Progress;
 use super::report::{Report, RoundSummary, Settings};
-use super::schedule::Span;
+use super::session::Session;
 use super::state::{Leaf, Round};
 use super::status::Stop;
+use super::tally::Cells;
 use super::target::Target;
 use super::threads::Threads;
+use super::tree::Node;
 use super::worker::{Brake, Job, Observer, Outcome, caught};
-use super::{Run, tally};
 use crate::error::ArgumentError;
 use crate::estimate::Estimate;
 use crate::estimator::{Estimator, Evidence, Frame};
 use crate::integrand::{Integrand, Value};
-use crate::part::{Counts, Part};
+use crate::part::Part;
 use crate::points::PointSource;
 
 /// A round is taken for large enough if its half-width times this is within the tolerance, so that
@@ -35,21 +37,18 @@ const FIRST_SAMPLES: u64 = 16;
 pub(super) struct Driver<'a, P, F: ?Sized, E: ?Sized, S: ?Sized, O> {
     run: Run<'a>,
     job: Job<'a, P, F, E, S, O>,
-    limit: u64,
     /// If the points are those of a seed.
     seed: Option<u64>,
 }
 
-/// What changes while a run goes on.
-struct Session {
-    began: Instant,
-    rounds: Vec<Round>,
-    /// The samples that were there at the start.
-    loaded: u64,
-    identity: Identity,
-    last_save: Instant,
-    last_watch: Instant,
-    save_error: Option<CheckpointError>,
+/// How a run ended.
+struct End<V> {
+    stop: Stop,
+    fault: Option<RunFault>,
+    /// The round that confirmed the tolerance.
+    confirming: Option<(Leaf, Judged<V>)>,
+    /// All rounds together.
+    all: Option<Leaf>,
 }
 
 impl<'a, P, F, E, S, O> Driver<'a, P, F, E, S, O>
@@ -68,9 +67,7 @@ where
         observer: &'a O,
         seed: Option<u64>,
     ) -> Self {
-        let limit = run.target.limit(estimator.frame().samples);
-        let job = Job { estimator, f, points, observer, point: PhantomData };
-        Self { run, job, limit, seed }
+        Self { run, job: Job { estimator, f, points, observer, point: PhantomData }, seed }
     }
 
     /// Runs to the end; from the files of all shards, if there are any.
@@ -79,103 +76,68 @@ where
         files: Option<&[&Path]>,
     ) -> Result<Report<F::Value>, RunError<F::Value>> {
         let began = Instant::now();
-        self.check(files)?;
+        self.check(files.is_some())?;
         let threads = Threads::new(self.run.threads)?;
         let cancel = self.run.cancel.clone();
         let deadline = self.run.target.limit_of_time().and_then(|time| began.checked_add(time));
         let brake = Brake::new(cancel.as_ref(), deadline);
+        let frame = self.frame();
         let mut session = Session {
+            identity: self.identity(files.is_some()),
+            shard: self.run.shard,
+            limit: self.run.target.limit(frame.samples),
+            techniques: frame.shares.len(),
+            path: self.run.checkpoint.clone(),
+            save_every: self.run.save_every,
             began,
             rounds: Vec::new(),
             loaded: 0,
-            identity: self.identity(files.is_some()),
             last_save: began,
             last_watch: began,
             save_error: None,
         };
         match files {
-            Some(files) => self.gather(files, &mut session)?,
-            None => self.load(&mut session)?,
+            Some(files) => session.gather(files)?,
+            None => session.load()?,
         }
-        session.loaded = self.samples(&session.rounds);
-        if let Some(path) = &self.run.checkpoint {
-            // Where nothing can be saved, nothing is run.
-            checkpoint::save(path, &self.saved(&session))?;
+        session.loaded = session.samples();
+        // Where nothing can be saved, nothing is run.
+        session.save();
+        if let Some(error) = session.save_error.take() {
+            return Err(error.into());
         }
 
-        let mut passed = false;
-        let mut all: Option<Leaf> = None;
-        let mut number = 0;
-        let (stop, fault, confirming) = loop {
-            let span = Span::new(number, self.limit, self.frame().shares.len());
-            if span.chunks() == 0 {
-                break (Stop::Samples, None, None);
-            }
-            let outcome = self.round(number, &span, &threads, &brake, &mut session);
-            let own = self.round_at(&session, number).and_then(Round::total);
-            if let Some(own) = &own {
-                all = Some(all.map_or_else(|| own.clone(), |all: Leaf| all.merge(own)));
-            }
-            match outcome {
-                Outcome::Failed(fault) => break (Stop::Fault, Some(fault), None),
-                Outcome::Interrupted if brake.is_cancelled() => {
-                    break (Stop::Cancelled, None, None);
-                }
-                Outcome::Interrupted => break (Stop::Time, None, None),
-                Outcome::Done => {}
-            }
-            if let Some(fault) = all.as_ref().and_then(|all| self.too_many_faults(all)) {
-                break (Stop::Fault, Some(fault), None);
-            }
-            let (Some(own), Some(all)) = (own, &all) else {
-                number += 1;
-                continue;
-            };
-            if self.run.target.has_tolerance() {
-                let confirming = self.judged(own);
-                if passed && self.holds(&confirming, Gate::Confirming, 1.0) {
-                    break (Stop::Tolerance, None, Some(confirming));
-                }
-                passed = self.holds(&self.judged(all.clone()), Gate::NearNormal, MARGIN);
-            }
-            self.watch(&mut session, number, all, &brake);
-            if let Some(path) = &self.run.checkpoint
-                && span.end < self.limit
-            {
-                session.save_error = checkpoint::save(path, &self.saved(&session)).err();
-                session.last_save = Instant::now();
-            }
-            number += 1;
-        };
-
-        let end =
-            self.run.checkpoint.as_ref().map(|path| checkpoint::save(path, &self.saved(&session)));
-        let report = self.report(&mut session, stop, confirming, all);
-        match (fault, end) {
-            (Some(fault), _) => Err(RunError::new(fault, Some(report))),
-            (None, Some(Err(error))) => Err(RunError::new(error, Some(report))),
-            _ => Ok(report),
+        let mut end = self.rounds(&threads, &brake, &mut session);
+        if end.fault.is_none() {
+            end.fault = self.too_many_faults(end.all.as_ref(), None);
+        }
+        session.save();
+        let fault = end.fault.take();
+        let unsaved = fault.is_none().then(|| session.save_error.take()).flatten();
+        let report = self.report(session, end);
+        match fault.or(unsaved.map(RunFault::from)) {
+            Some(fault) => Err(RunError::new(fault, Some(report))),
+            None => Ok(report),
         }
     }
 
-    fn frame(&self) -> Frame<'_> {
+    fn frame(&self) -> Frame<'a> {
         self.job.estimator.frame()
     }
 
     /// # Errors
     ///
     /// Settings that do not go together.
-    fn check(&self, files: Option<&[&Path]>) -> Result<(), ArgumentError> {
-        self.run.target.check(F::Value::COMPONENTS)?;
-        let target = &self.run.target;
+    fn check(&self, merges: bool) -> Result<(), ArgumentError> {
+        let Run { target, shard, checkpoint, .. } = &self.run;
+        target.check(F::Value::COMPONENTS)?;
         let fixed = !target.has_tolerance() && target.limit_of_time().is_none();
-        let shard = self.run.shard;
-        if shard.of > 1 && (!fixed || self.run.checkpoint.is_none() || files.is_some()) {
+        if shard.of > 1 && (!fixed || checkpoint.is_none() || merges) {
             let rule = "a shard needs a checkpoint and a fixed number of samples, without a \
                         tolerance or a time";
             return Err(ArgumentError::new("Run", "shard", shard, rule));
         }
-        if files.is_some() && !fixed {
+        if merges && !fixed {
             let rule =
                 "shards are merged to their number of samples, without a tolerance or a time";
             return Err(ArgumentError::new("Run::merge", "target", target, rule));
@@ -184,15 +146,16 @@ where
     }
 
     /// What tells this run from others; the first samples only if there are files to compare with.
-    fn identity(&self, files: bool) -> Identity {
+    fn identity(&self, merges: bool) -> Identity {
         let Job { estimator, f, points, observer, .. } = &self.job;
         let mut words = Vec::new();
-        if files || self.run.checkpoint.is_some() {
+        if merges || self.run.checkpoint.is_some() {
             let probed = caught(|| {
                 estimator.probe(*f, *points, FIRST_SAMPLES, |sample| {
                     words.push(sample.technique() as u64);
-                    (0..F::Value::COMPONENTS)
-                        .for_each(|c| words.push(sample.contribution_to(c).to_bits()));
+                    let contributions =
+                        (0..F::Value::COMPONENTS).map(|c| sample.contribution_to(c));
+                    words.extend(contributions.map(f64::to_bits));
                 })
             });
             // A fault is as good a mark as a value.
@@ -212,208 +175,111 @@ where
         }
     }
 
-    /// Continues from the checkpoint, if there is one.
-    fn load(&self, session: &mut Session) -> Result<(), CheckpointError> {
-        let Some(path) = &self.run.checkpoint else { return Ok(()) };
-        let Some(saved) = checkpoint::load(path)? else { return Ok(()) };
-        saved.check(path, &session.identity, self.run.shard)?;
-        if self.run.shard.of > 1 && saved.limit != self.limit {
-            let difference =
-                format!("it is of a run of {} samples, not {}", saved.limit, self.limit);
-            return Err(CheckpointError::OtherRun { path: path.clone(), difference });
-        }
-        session.rounds = saved.rounds;
-        self.check_rounds(path, self.run.shard, session)
-    }
-
-    /// Fits the rounds that were loaded to this run.
-    ///
-    /// # Errors
-    ///
-    /// They are not the beginning of each round's chunks.
-    fn check_rounds(
-        &self,
-        path: &Path,
-        shard: Shard,
+    /// Draws round after round, until one ends the run.
+    fn rounds(
+        &mut self,
+        threads: &Threads,
+        brake: &Brake<'_>,
         session: &mut Session,
-    ) -> Result<(), CheckpointError> {
-        let techniques = self.frame().shares.len();
-        for (number, round) in (0..).zip(&mut session.rounds) {
-            let span = Span::new(number, self.limit, techniques);
-            round.fit(&span);
-            let share = span.share(shard.index, shard.of);
-            let fits = match round.done() {
-                Some(done) if done.is_empty() => true,
-                Some(done) => done.start == share.start && done.end <= share.end,
-                None => false,
+    ) -> End<F::Value> {
+        let mut all: Option<Leaf> = None;
+        // Whether all samples so far are good enough for the next round to confirm it.
+        let mut passed = false;
+        for number in 0.. {
+            if session.span(number).chunks() == 0 {
+                break;
+            }
+            let outcome = self.round(number, threads, brake, session);
+            let own = session.total(number);
+            if let Some(own) = &own {
+                all = Some(all.map_or_else(|| own.clone(), |all| all.merge(own)));
+            }
+            let ended = match outcome {
+                Outcome::Failed(fault) => Some((Stop::Fault, Some(fault))),
+                Outcome::Interrupted if brake.is_cancelled() => Some((Stop::Cancelled, None)),
+                Outcome::Interrupted => Some((Stop::Time, None)),
+                // More than there may be at the end.
+                Outcome::Done => self
+                    .too_many_faults(all.as_ref(), Some(session.limit))
+                    .map(|fault| (Stop::Fault, Some(fault))),
             };
-            if !fits {
-                let difference =
-                    format!("it holds more of round {number} than a run of {} samples", self.limit);
-                return Err(CheckpointError::OtherRun { path: path.into(), difference });
+            if let Some((stop, fault)) = ended {
+                return End { stop, fault, confirming: None, all };
             }
-        }
-        Ok(())
-    }
-
-    /// Puts the shards together.
-    fn gather(&mut self, files: &[&Path], session: &mut Session) -> Result<(), CheckpointError> {
-        let shards = |problem: String| CheckpointError::Shards { problem };
-        let mut parts: Vec<(&Path, Saved)> = Vec::new();
-        for path in files {
-            let Some(saved) = checkpoint::load(path)? else {
-                return Err(shards(format!("there is no file {}", path.display())));
-            };
-            parts.push((path, saved));
-        }
-        parts.sort_by_key(|(_, saved)| saved.shard.index);
-        let Some((_, first)) = parts.first() else {
-            return Err(shards("there are no files".into()));
-        };
-        let (of, limit) = (first.shard.of, first.limit);
-        session.identity.sums = first.identity.sums;
-        if limit != self.limit {
-            let problem = format!("they are of a run of {limit} samples, not {}", self.limit);
-            return Err(shards(problem));
-        }
-        for (index, (path, saved)) in (0..).zip(&parts) {
-            saved.check(path, &session.identity, Shard { index: saved.shard.index, of })?;
-            if saved.limit != limit {
-                let difference = format!("it is of {} samples, not {limit}", saved.limit);
-                return Err(CheckpointError::OtherRun { path: path.to_path_buf(), difference });
+            let (Some(own), Some(together)) = (own, &all) else { continue };
+            if self.run.target.has_tolerance() {
+                let judged = self.judged(own.clone());
+                if passed && self.holds(&judged, Gate::Confirming, 1.0) {
+                    let confirming = Some((own, judged));
+                    return End { stop: Stop::Tolerance, fault: None, confirming, all };
+                }
+                passed = self.holds(&self.judged(together.clone()), Gate::NearNormal, MARGIN);
             }
-            match saved.shard.index {
-                found if found > index => {
-                    return Err(shards(format!("shard {index} of {of} is missing")));
-                }
-                found if found < index => {
-                    return Err(shards(format!("shard {found} of {of} is there twice")));
-                }
-                _ => {}
-            }
+            session.save();
+            self.watch(session, number, together, brake);
         }
-        if (parts.len() as u64) < of {
-            return Err(shards(format!("shard {} of {of} is missing", parts.len())));
-        }
-        let techniques = self.frame().shares.len();
-        for (path, saved) in parts {
-            let Saved { shard, rounds, .. } = saved;
-            for number in 0.. {
-                let span = Span::new(number, limit, techniques);
-                if span.chunks() == 0 {
-                    break;
-                }
-                let place = usize::try_from(number).unwrap_or(usize::MAX);
-                let round = rounds.get(place).cloned().unwrap_or_default();
-                let share = span.share(shard.index, shard.of);
-                if !share.is_empty() && round.done() != Some(share) {
-                    let problem = format!("{} is not finished", path.display());
-                    return Err(shards(problem));
-                }
-                if session.rounds.len() <= place {
-                    session.rounds.resize_with(place + 1, Round::default);
-                }
-                if let Some(whole) = session.rounds.get_mut(place) {
-                    whole.append(round);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn saved(&self, session: &Session) -> Saved {
-        Saved {
-            identity: session.identity.clone(),
-            shard: self.run.shard,
-            limit: self.limit,
-            rounds: session.rounds.clone(),
-        }
-    }
-
-    fn round_at<'s>(&self, session: &'s Session, number: u32) -> Option<&'s Round> {
-        session.rounds.get(usize::try_from(number).unwrap_or(usize::MAX))
+        End { stop: Stop::Samples, fault: None, confirming: None, all }
     }
 
     /// Draws what is missing of a round.
     fn round(
         &mut self,
         number: u32,
-        span: &Span,
         threads: &Threads,
         brake: &Brake<'_>,
         session: &mut Session,
     ) -> Outcome {
-        let place = usize::try_from(number).unwrap_or(usize::MAX);
-        if session.rounds.len() <= place {
-            session.rounds.resize_with(place + 1, Round::default);
-        }
-        let share = span.share(self.run.shard.index, self.run.shard.of);
-        let done = session.rounds.get(place).and_then(Round::done).filter(|done| !done.is_empty());
-        let todo = done.map_or(share.start, |done| done.end)..share.end;
-        if todo.is_empty() {
-            return Outcome::Done;
-        }
+        let span = session.span(number);
+        let share = span.share(session.shard.index, session.shard.of);
         // Out of the session while the threads have it.
-        let mut round = session.rounds.get_mut(place).map(std::mem::take).unwrap_or_default();
-        let Self { run, job, limit, .. } = self;
-        let mut tick = |round: &Round| {
-            let now = Instant::now();
-            if let Some(path) = &run.checkpoint
-                && now.duration_since(session.last_save) >= run.save_every
-            {
-                let mut rounds = session.rounds.clone();
-                if let Some(slot) = rounds.get_mut(place) {
-                    *slot = round.clone();
-                }
-                let identity = session.identity.clone();
-                let saved = Saved { identity, shard: run.shard, limit: *limit, rounds };
-                session.save_error = checkpoint::save(path, &saved).err();
-                session.last_save = Instant::now();
-            }
-            if let Some((interval, watcher)) = &mut run.watcher
-                && now.duration_since(session.last_watch) >= *interval
-            {
-                session.last_watch = now;
-                let earlier = session.rounds.iter().filter_map(Round::total);
-                let all = earlier.chain(round.total()).reduce(|all, leaf| all.merge(&leaf));
-                if let Some(all) = all {
+        let mut round = session.take(number);
+        let done = round.done().filter(|done| !done.is_empty());
+        let todo = done.map_or(share.start, |done| done.end)..share.end;
+        let outcome = if todo.is_empty() {
+            Outcome::Done
+        } else {
+            let Self { run, job, .. } = self;
+            let target = run.target;
+            let mut tick = |round: &Round| {
+                session.save_if_due(number, round);
+                if let Some((interval, watcher)) = &mut run.watcher
+                    && session.last_watch.elapsed() >= *interval
+                {
+                    session.last_watch = Instant::now();
+                    let earlier =
+                        session.rounds.iter().zip(0..number).filter_map(|(r, _)| r.total());
+                    let all = earlier.chain(round.total()).reduce(|all, leaf| all.merge(&leaf));
                     let frame = job.estimator.frame();
                     let seen =
-                        progress::<F::Value>(&frame, &run.target, *limit, number, all, session);
-                    if watcher(&seen) == ControlFlow::Break(()) {
+                        all.map(|all| progress::<F::Value>(&frame, &target, number, &all, session));
+                    if seen.is_some_and(|seen| watcher(&seen) == ControlFlow::Break(())) {
                         brake.pull();
                     }
                 }
-            }
+            };
+            job.complete(&span, todo, &mut round, threads, brake, &mut tick)
         };
-        let outcome = job.complete(span, todo, &mut round, threads, brake, &mut tick);
-        if let Some(slot) = session.rounds.get_mut(place) {
-            *slot = round;
-        }
+        session.put(number, round);
         outcome
     }
 
     fn watch(&mut self, session: &mut Session, number: u32, all: &Leaf, brake: &Brake<'_>) {
-        let Some((_, watcher)) = &mut self.run.watcher else { return };
+        let frame = self.frame();
+        let Some((interval, mut watcher)) = self.run.watcher.take() else { return };
         session.last_watch = Instant::now();
-        let frame = self.job.estimator.frame();
-        let seen = progress::<F::Value>(
-            &frame,
-            &self.run.target,
-            self.limit,
-            number,
-            all.clone(),
-            session,
-        );
+        let seen = progress::<F::Value>(&frame, &self.run.target, number, all, session);
         if watcher(&seen) == ControlFlow::Break(()) {
             brake.pull();
         }
+        self.run.watcher = Some((interval, watcher));
     }
 
-    fn too_many_faults(&self, all: &Leaf) -> Option<RunFault> {
-        let Counts { samples, .. } = all.node.part.all();
-        let faults = all.node.part.all().faults();
-        self.frame().on_fault.check(faults, samples).err().map(RunFault::from)
+    /// Whether so many samples count as 0 for a fault that a run of `limit` samples, or of those
+    /// that there are, has too many.
+    fn too_many_faults(&self, all: Option<&Leaf>, limit: Option<u64>) -> Option<RunFault> {
+        let counts = all?.node.part.all();
+        let checked = self.frame().on_fault.check(counts.faults(), limit.unwrap_or(counts.samples));
+        checked.err().map(RunFault::from)
     }
 
     fn judged(&self, leaf: Leaf) -> Judged<F::Value> {
@@ -426,85 +292,59 @@ where
             && judged.doubts(&self.frame(), target, gate).is_empty()
     }
 
-    fn samples(&self, rounds: &[Round]) -> u64 {
-        let totals = rounds.iter().filter_map(Round::total);
-        totals.map(|leaf| leaf.node.part.all().samples).sum()
-    }
-
-    fn report(
-        &self,
-        session: &mut Session,
-        stop: Stop,
-        confirming: Option<Judged<F::Value>>,
-        all: Option<Leaf>,
-    ) -> Report<F::Value> {
+    fn report(&self, session: Session, end: End<F::Value>) -> Report<F::Value> {
         let frame = self.frame();
-        let all = all.unwrap_or_else(|| self.nothing());
+        let all = end.all.unwrap_or_else(|| self.nothing());
         let samples = all.node.part.all().samples;
+        let estimate =
+            |leaf: &Leaf| Estimate::new(frame.design, frame.shares, leaf.node.part.clone());
         let mut cumulative: Option<Leaf> = None;
         let mut rounds = Vec::new();
-        let mut last = None;
         for own in session.rounds.iter().filter_map(Round::total) {
             let both = cumulative.map_or_else(|| own.clone(), |all| all.merge(&own));
-            let estimate =
-                |leaf: &Leaf| Estimate::new(frame.design, frame.shares, leaf.node.part.clone());
             rounds.push(RoundSummary { estimate: estimate(&own), cumulative: estimate(&both) });
             cumulative = Some(both);
-            last = Some(own);
         }
-        // The sums are from the samples of the estimate.
-        let counted = match &confirming {
-            Some(_) => last.unwrap_or_else(|| self.nothing()),
-            None => all.clone(),
-        };
-        let judged = confirming.unwrap_or_else(|| self.judged(all));
-        let status = judged.status(&frame, &self.run.target, stop);
-        let elapsed = session.began.elapsed();
+        let (leaf, judged) = end.confirming.unwrap_or_else(|| (all.clone(), self.judged(all)));
+        let status = judged.status(&frame, &self.run.target, end.stop);
         Report {
             judged,
-            stop,
+            stop: end.stop,
             status,
             rounds,
-            tallied: counted.node.cells.tallied(&frame, &counted.node.part),
-            misplaced: counted.node.cells.misplaced,
+            tallied: leaf.node.cells.tallied(&frame, &leaf.node.part),
+            misplaced: leaf.node.cells.misplaced,
             samples,
-            elapsed,
+            elapsed: session.began.elapsed(),
             drawn: samples.saturating_sub(session.loaded),
             settings: self.settings(),
-            checkpoint_error: session.save_error.take(),
+            checkpoint_error: session.save_error,
         }
     }
 
     fn settings(&self) -> Settings {
-        let mut others = Vec::new();
-        if let Some(seed) = self.seed {
-            others.push(("seed", seed.to_string()));
-        }
-        if let Some(threads) = self.run.threads {
-            others.push(("threads", threads.to_string()));
-        }
-        if let Some(path) = &self.run.checkpoint {
-            let every = self.run.save_every.as_secs_f64();
-            others.push(("checkpoint", format!("{} every {every} s", path.display())));
-        }
-        if !self.run.label.is_empty() {
-            others.push(("label", self.run.label.clone()));
-        }
-        if self.run.shard.of > 1 {
-            others.push(("shard", format!("{} of {}", self.run.shard.index, self.run.shard.of)));
-        }
+        let Run { target, threads, checkpoint, save_every, label, shard, .. } = &self.run;
+        let all = [
+            self.seed.map(|seed| ("seed", seed.to_string())),
+            threads.map(|threads| ("threads", threads.to_string())),
+            checkpoint.as_ref().map(|path| {
+                ("checkpoint", format!("{}, every {} s", path.display(), save_every.as_secs_f64()))
+            }),
+            (!label.is_empty()).then(|| ("label", label.clone())),
+            (shard.of > 1).then(|| ("shard", format!("{} of {}", shard.index, shard.of))),
+        ];
         let estimator = format!("{:?}", self.frame());
-        Settings { target: self.run.target, estimator, others }
+        Settings { target: *target, estimator, others: all.into_iter().flatten().collect() }
     }
 
     /// No samples.
     fn nothing(&self) -> Leaf {
         let techniques = self.frame().shares.len();
         let part = Part::empty(techniques, F::Value::COMPONENTS);
-        let Evidence { tails, seen, densities } =
-            Evidence::new(techniques, &vec![0.0; techniques * F::Value::COMPONENTS]);
-        let cells = tally::Cells::new(techniques, self.job.observer.sums());
-        Leaf { node: super::tree::Node { part, seen, densities, cells }, tails }
+        let thresholds = vec![0.0; techniques * F::Value::COMPONENTS];
+        let Evidence { tails, seen, densities } = Evidence::new(techniques, &thresholds);
+        let cells = Cells::new(techniques, self.job.observer.sums());
+        Leaf { node: Node { part, seen, densities, cells }, tails }
     }
 }
 
@@ -512,36 +352,32 @@ where
 fn progress<V: Value>(
     frame: &Frame<'_>,
     target: &Target,
-    limit: u64,
     round: u32,
-    all: Leaf,
+    all: &Leaf,
     session: &Session,
 ) -> Progress {
-    let estimate = Estimate::<V>::new(frame.design, frame.shares, all.node.part);
+    let Session { limit, loaded, began, .. } = session;
+    let estimate = Estimate::<V>::new(frame.design, frame.shares, all.node.part.clone());
     let samples = estimate.samples();
-    let elapsed = session.began.elapsed();
-    let rate = samples.saturating_sub(session.loaded) as f64 / elapsed.as_secs_f64().max(1e-9);
+    let elapsed = began.elapsed();
+    let rate = samples.saturating_sub(*loaded) as f64 / elapsed.as_secs_f64().max(1e-9);
     let excess = target.has_tolerance().then(|| target.excess(&estimate));
     // Twice, for the round that confirms it.
-    let needed = excess.map_or(limit as f64, |excess| {
-        (2.0 * samples as f64 * (MARGIN * excess).powi(2)).min(limit as f64)
+    let needed = excess.map_or(*limit as f64, |excess| {
+        (2.0 * samples as f64 * (MARGIN * excess).powi(2)).min(*limit as f64)
     });
-    let seconds = (needed - samples as f64).max(0.0) / rate;
+    let remaining = Duration::try_from_secs_f64((needed - samples as f64).max(0.0) / rate).ok();
     let until = target.limit_of_time().map(|time| time.saturating_sub(elapsed));
-    let remaining = Duration::try_from_secs_f64(seconds).ok();
-    let remaining = match (remaining, until) {
-        (Some(remaining), Some(until)) => Some(remaining.min(until)),
-        (remaining, until) => remaining.or(until),
-    };
     Progress {
         round,
         samples,
-        limit,
+        limit: *limit,
         value: estimate.value_of(0),
         standard_error: estimate.error_of(0),
         excess,
         elapsed,
         rate,
-        remaining,
+        remaining: [remaining, until].into_iter().flatten().min(),
+        unsaved: session.save_error.is_some(),
     }
 }

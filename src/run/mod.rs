@@ -63,6 +63,7 @@ mod k_hat;
 mod progress;
 mod report;
 mod schedule;
+mod session;
 mod state;
 mod status;
 mod tally;
@@ -164,8 +165,8 @@ impl<'a> Run<'a> {
     /// if they had been asked for from the start.
     ///
     /// If the file cannot be written at the start, nothing is run. If it cannot be written later,
-    /// the run goes on, tries again, and says so in its report; a run whose end cannot be saved is
-    /// an error with the report in it.
+    /// the run goes on and tries again (see [`Progress::unsaved`]), and the file keeps what it had; a
+    /// run whose end cannot be saved is an error with the report in it.
     #[must_use]
     pub fn checkpoint(self, path: impl AsRef<Path>) -> Self {
         Self { checkpoint: Some(path.as_ref().into()), ..self }

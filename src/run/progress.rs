@@ -55,6 +55,8 @@ pub struct Progress {
     /// How long it may take from here, if the error goes on falling as 1/√N; at most until the
     /// time of the target is up. `None` while nothing can be said.
     pub remaining: Option<Duration>,
+    /// Whether the last checkpoint could not be written.
+    pub unsaved: bool,
 }
 
 /// A function that is told of the progress.

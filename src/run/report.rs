@@ -142,8 +142,7 @@ impl<V: Value> Report<V> {
         self.elapsed
     }
 
-    /// Why the last checkpoint of this session that failed could not be written. The run went on;
-    /// the file that was there before is still there.
+    /// Why the run could not be saved at its end, where it ended for another fault.
     #[must_use]
     pub fn checkpoint_error(&self) -> Option<&CheckpointError> {
         self.checkpoint_error.as_ref()

@@ -1,5 +1,7 @@
 //! What a run has done so far: all that a checkpoint has to hold.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use super::schedule::Span;
@@ -37,7 +39,7 @@ impl Round {
     /// Adds the chunk that follows those that are there.
     pub(super) fn push(&mut self, span: &Span, index: u64, leaf: Leaf) {
         if span.is_cut(index) {
-            let std::ops::Range { start, end } = span.chunk(index);
+            let Range { start, end } = span.chunk(index);
             self.cut = Some(Cut { index, start, end, leaf });
         } else {
             merge_tails(&mut self.tails, &leaf.tails);
@@ -45,13 +47,24 @@ impl Round {
         }
     }
 
-    /// Forgets a cut chunk that this span has longer.
-    pub(super) fn fit(&mut self, span: &Span) {
+    /// Forgets a cut chunk that this span has longer or shorter. Whether what is left is the
+    /// beginning of `share`, the chunks of the span that are to be here.
+    pub(super) fn fit(&mut self, span: &Span, share: Range<u64>) -> bool {
         self.cut.take_if(|cut| span.chunk(cut.index) != (cut.start..cut.end));
+        let whole = self.tree.chunks();
+        // A whole chunk, where the span has only a part of it.
+        let longer = |whole: Range<u64>| !whole.is_empty() && span.is_cut(whole.end - 1);
+        match self.done() {
+            Some(done) if done.is_empty() => true,
+            Some(done) => {
+                done.start == share.start && done.end <= share.end && !whole.is_some_and(longer)
+            }
+            None => false,
+        }
     }
 
     /// The chunks that are done; `None` if there are gaps between them.
-    pub(super) fn done(&self) -> Option<std::ops::Range<u64>> {
+    pub(super) fn done(&self) -> Option<Range<u64>> {
         let whole = self.tree.chunks()?;
         match &self.cut {
             None => Some(whole),

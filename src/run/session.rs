@@ -1,0 +1,163 @@
+//! The rounds that a run has, and the files in which they are kept.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::checkpoint::{self, Identity, Saved, Shard};
+use super::error::CheckpointError;
+use super::schedule::Span;
+use super::state::{Leaf, Round};
+
+/// What changes while a run goes on.
+pub(super) struct Session {
+    pub(super) identity: Identity,
+    pub(super) shard: Shard,
+    /// The most samples, in all shards.
+    pub(super) limit: u64,
+    /// Of the estimator.
+    pub(super) techniques: usize,
+    pub(super) path: Option<PathBuf>,
+    pub(super) save_every: Duration,
+    pub(super) began: Instant,
+    pub(super) rounds: Vec<Round>,
+    /// The samples that were there at the start.
+    pub(super) loaded: u64,
+    pub(super) last_save: Instant,
+    pub(super) last_watch: Instant,
+    /// Why the last attempt to save failed.
+    pub(super) save_error: Option<CheckpointError>,
+}
+
+impl Session {
+    pub(super) fn span(&self, number: u32) -> Span {
+        Span::new(number, self.limit, self.techniques)
+    }
+
+    /// What a round has come to.
+    pub(super) fn total(&self, number: u32) -> Option<Leaf> {
+        self.rounds.get(place(number)).and_then(Round::total)
+    }
+
+    /// Takes a round out, to add to it.
+    pub(super) fn take(&mut self, number: u32) -> Round {
+        if self.rounds.len() <= place(number) {
+            self.rounds.resize_with(place(number) + 1, Round::default);
+        }
+        self.rounds.get_mut(place(number)).map(std::mem::take).unwrap_or_default()
+    }
+
+    /// Puts a round back.
+    pub(super) fn put(&mut self, number: u32, round: Round) {
+        if let Some(slot) = self.rounds.get_mut(place(number)) {
+            *slot = round;
+        }
+    }
+
+    pub(super) fn samples(&self) -> u64 {
+        let totals = self.rounds.iter().filter_map(Round::total);
+        totals.map(|leaf| leaf.node.part.all().samples).sum()
+    }
+
+    /// Saves everything, if there is a file for it.
+    pub(super) fn save(&mut self) {
+        let Some(path) = &self.path else { return };
+        let saved = Saved {
+            identity: self.identity.clone(),
+            shard: self.shard,
+            limit: self.limit,
+            rounds: self.rounds.clone(),
+        };
+        self.save_error = checkpoint::save(path, &saved).err();
+        self.last_save = Instant::now();
+    }
+
+    /// Saves everything, with a round that was taken out, if it is time to.
+    pub(super) fn save_if_due(&mut self, number: u32, round: &Round) {
+        if self.path.is_some() && self.last_save.elapsed() >= self.save_every {
+            self.put(number, round.clone());
+            self.save();
+        }
+    }
+
+    /// Continues from the file, if there is one.
+    pub(super) fn load(&mut self) -> Result<(), CheckpointError> {
+        let Some(path) = self.path.clone() else { return Ok(()) };
+        let Some(saved) = checkpoint::load(&path)? else { return Ok(()) };
+        saved.check(&path, &self.identity, self.shard)?;
+        let other = |difference| CheckpointError::OtherRun { path: path.clone(), difference };
+        if self.shard.of > 1 && saved.limit != self.limit {
+            return Err(other(format!(
+                "it is of a run of {} samples, not {}",
+                saved.limit, self.limit
+            )));
+        }
+        for (number, mut round) in (0..).zip(saved.rounds) {
+            let span = self.span(number);
+            if !round.fit(&span, span.share(self.shard.index, self.shard.of)) {
+                return Err(other(format!(
+                    "it holds more of round {number} than a run of {} samples",
+                    self.limit
+                )));
+            }
+            self.rounds.push(round);
+        }
+        Ok(())
+    }
+
+    /// Puts the shards of a run together.
+    pub(super) fn gather(&mut self, files: &[&Path]) -> Result<(), CheckpointError> {
+        let shards = |problem: String| CheckpointError::Shards { problem };
+        let mut parts: Vec<(&Path, Saved)> = Vec::new();
+        for path in files {
+            match checkpoint::load(path)? {
+                Some(saved) => parts.push((path, saved)),
+                None => return Err(shards(format!("there is no file {}", path.display()))),
+            }
+        }
+        parts.sort_by_key(|(_, saved)| saved.shard.index);
+        let Some((_, first)) = parts.first() else {
+            return Err(shards("there are no files".into()));
+        };
+        let of = first.shard.of;
+        // A run can be merged without what made its sums.
+        self.identity.sums = first.identity.sums;
+        for (index, (path, saved)) in (0..).zip(&parts) {
+            let found = saved.shard.index;
+            saved.check(path, &self.identity, Shard { index: found, of })?;
+            if saved.limit != self.limit {
+                let difference = format!("it is of {} samples, not {}", saved.limit, self.limit);
+                return Err(CheckpointError::OtherRun { path: path.to_path_buf(), difference });
+            }
+            if found != index {
+                let (which, problem) =
+                    if found > index { (index, "missing") } else { (found, "there twice") };
+                return Err(shards(format!("shard {which} of {of} is {problem}")));
+            }
+        }
+        if (parts.len() as u64) < of {
+            return Err(shards(format!("shard {} of {of} is missing", parts.len())));
+        }
+        for (path, saved) in parts {
+            let mut rounds = saved.rounds.into_iter();
+            for number in 0.. {
+                let span = self.span(number);
+                if span.chunks() == 0 {
+                    break;
+                }
+                let round = rounds.next().unwrap_or_default();
+                let share = span.share(saved.shard.index, of);
+                if !share.is_empty() && round.done() != Some(share) {
+                    return Err(shards(format!("{} is not finished", path.display())));
+                }
+                let mut whole = self.take(number);
+                whole.append(round);
+                self.put(number, whole);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn place(number: u32) -> usize {
+    usize::try_from(number).unwrap_or(usize::MAX)
+}
