@@ -38,11 +38,14 @@
 //! - [`weighting`]: how the techniques share f at x; [`Balance`](weighting::Balance) by default.
 //! - [`MultiSample`] and [`OneSample`], both an [`Estimator`], collect the contributions.
 //! - [`Estimate`]: value, standard error, interval, and what each technique did.
+//! - [`run`]: a [`Run`] drives an estimator to a [`Target`], on all threads, and judges the result.
 //! - `lighting`: an application, the radiance that leaves a surface.
 //!
 //! # Features
 //!
 //! - `lighting` (default): the module `lighting`; brings in `glam`.
+//! - `parallel` (default): runs on several threads; brings in `rayon`. The bits are the same
+//!   without.
 
 #![forbid(unsafe_code)]
 

@@ -11,7 +11,7 @@ impl<V: Value> Display for Report<V> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let estimate = self.estimate();
         let level = self.settings.target.level();
-        writeln!(f, "{estimate}, {}; {}", word(&self.status), self.stop)?;
+        writeln!(f, "{estimate}, {}; {}", self.word(), self.stop)?;
         if let Status::Suspect(doubts) = &self.status {
             doubts.iter().try_for_each(|doubt| writeln!(f, "  doubt: {doubt}"))?;
         }
@@ -24,13 +24,12 @@ impl<V: Value> Display for Report<V> {
         for c in 0..V::COMPONENTS {
             let name = if V::COMPONENTS == 1 { String::new() } else { format!(", component {c}") };
             let interval = estimate.interval_of(c, level);
-            writeln!(
-                f,
-                "{} % interval{name}: [{}, {}]",
-                short(100.0 * level),
-                interval.lower,
-                interval.upper
-            )?;
+            let [lower, upper] = [interval.lower, interval.upper].map(|end| {
+                // Two digits of the half-width, as of the error.
+                let digits = with_error(end, Some(0.5 * (interval.upper - interval.lower)), 2);
+                digits.split('(').next().unwrap_or_default().to_owned()
+            });
+            writeln!(f, "{} % interval{name}: [{lower}, {upper}]", short(100.0 * level))?;
         }
         let seconds = self.elapsed.as_secs_f64();
         let rate = self.drawn as f64 / seconds.max(1e-9);
@@ -49,6 +48,16 @@ impl<V: Value> Display for Report<V> {
 }
 
 impl<V: Value> Report<V> {
+    fn word(&self) -> &'static str {
+        match self.status {
+            Status::Converged => "converged",
+            Status::BudgetSpent => "budget spent",
+            Status::Cancelled => "incomplete",
+            Status::Suspect(_) => "SUSPECT",
+            Status::NoSignal { .. } => "NO SIGNAL",
+        }
+    }
+
     fn write_rounds(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let component = if V::COMPONENTS == 1 { "" } else { " (component 0)" };
         writeln!(f, "\nround      samples  {:>22}  {:>22}   chi2/dof{component}", "own", "all")?;
@@ -116,16 +125,6 @@ impl<V: Value> Report<V> {
             estimate.uncovered(),
             estimate.non_finite()
         )
-    }
-}
-
-fn word(status: &Status) -> &'static str {
-    match status {
-        Status::Converged => "converged",
-        Status::BudgetSpent => "budget spent",
-        Status::Cancelled => "cancelled",
-        Status::Suspect(_) => "SUSPECT",
-        Status::NoSignal { .. } => "NO SIGNAL",
     }
 }
 

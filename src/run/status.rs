@@ -24,8 +24,8 @@ impl Display for Stop {
             Self::Tolerance => "the tolerance is reached",
             Self::Samples => "all samples are drawn",
             Self::Time => "the time is up",
-            Self::Cancelled => "cancelled",
-            Self::Fault => "stopped by a fault",
+            Self::Cancelled => "it was cancelled",
+            Self::Fault => "a fault stopped it",
         })
     }
 }
