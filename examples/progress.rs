@@ -100,17 +100,15 @@ fn main() -> ExitCode {
 fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     let smooth = density(|| PowerLaw::new(-1.0, ENERGIES[0], ENERGIES[1]), Uniform::unit())?;
     // 1 - e^-τ is near 1 as long as τ > 1, which is wider than the resonance by √height.
-    let beside = at_resonances(|r| {
-        Ok((r.half_width * r.height.sqrt(), Box::new(Uniform::unit()) as Axis))
-    })?;
+    let beside =
+        at_resonances(|r| Ok((r.half_width * r.height.sqrt(), Box::new(Uniform::unit()) as Axis)))?;
     let surface = at_resonances(|r| {
         Ok((r.half_width, Box::new(Exponential::new(r.height, 0.0, 1.0)?) as Axis))
     })?;
     let mis = MultiSample::new(&[(&smooth, 2), (&beside, 1), (&surface, 1)])?;
 
-    let target = Target::new()
-        .relative(options.relative)?
-        .time(Duration::from_secs_f64(options.seconds));
+    let target =
+        Target::new().relative(options.relative)?.time(Duration::from_secs_f64(options.seconds));
     let cancel = Cancel::new();
     if let Some(after) = options.cancel_after {
         let cancel = cancel.clone();
@@ -298,9 +296,5 @@ fn number<T: FromStr>(name: &str, text: &str, rule: &str) -> Result<T, String> {
 fn positive(name: &str, text: &str) -> Result<f64, String> {
     let rule = "a number greater than 0 and at most 3e7";
     let x: f64 = number(name, text, rule)?;
-    if x > 0.0 && x <= 3e7 {
-        Ok(x)
-    } else {
-        Err(format!("{name} is {text}, but must be {rule}"))
-    }
+    if x > 0.0 && x <= 3e7 { Ok(x) } else { Err(format!("{name} is {text}, but must be {rule}")) }
 }
