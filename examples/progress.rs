@@ -269,9 +269,10 @@ impl Options {
                 "--relative" => options.relative = positive(&name, &text)?,
                 "--seconds" => options.seconds = positive(&name, &text)?,
                 "--threads" => {
-                    let threads = number(&name, &text, "a whole number of at least 1")?;
-                    if threads == 0 {
-                        return Err("--threads is 0, but must be at least 1".into());
+                    let rule = "a whole number from 1 to 1024";
+                    let threads = number(&name, &text, rule)?;
+                    if !(1..=1024).contains(&threads) {
+                        return Err(format!("--threads is {threads}, but must be {rule}"));
                     }
                     options.threads = Some(threads);
                 }
