@@ -179,7 +179,7 @@ impl EstimateError {
 }
 
 /// `x` as `Debug` prints it, cut after 300 characters: it may have thousands of coordinates.
-fn shortened(x: &impl Debug) -> String {
+pub(crate) fn shortened(x: &impl Debug) -> String {
     let mut text = format!("{x:?}");
     if let Some((end, _)) = text.char_indices().nth(300) {
         text.truncate(end);

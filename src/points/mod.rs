@@ -6,6 +6,8 @@ mod replay;
 pub use random::Random;
 pub use replay::Replay;
 
+use std::fmt::Debug;
+
 /// A source of canonical numbers in the unit interval.
 ///
 /// The numbers are a function of (stream, sample, coordinate), so that any block of them can be
@@ -19,7 +21,7 @@ pub use replay::Replay;
 ///   are spread more evenly, such as quasi-random ones, the value is better than its error says;
 ///   estimate the error from several independent randomisations instead.
 /// - Numbers outside \[0, 1\] are not looked for; techniques move them to the nearer end.
-pub trait PointSource: Sync {
+pub trait PointSource: Sync + Debug {
     /// Fills `xi` with rows of `dimension` numbers: the rows belong to samples `first`,
     /// `first + 1`, … of `stream`.
     ///

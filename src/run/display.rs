@@ -2,6 +2,8 @@
 
 use std::fmt::{self, Display};
 
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
 use super::report::Report;
 use super::status::{Status, Stop};
 use crate::estimate::{Estimate, with_error};
@@ -60,22 +62,43 @@ impl<V: Value> Report<V> {
 
     fn write_rounds(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let component = if V::COMPONENTS == 1 { "" } else { " (component 0)" };
-        writeln!(f, "\nround      samples  {:>22}  {:>22}   chi2/dof{component}", "own", "all")?;
-        let own: Vec<(f64, Option<f64>)> =
-            self.rounds.iter().map(|round| value_of(&round.estimate)).collect();
+        writeln!(f, "\nround      samples  {:>22}  {:>22}{component}", "own", "all")?;
         for (number, round) in self.rounds.iter().enumerate() {
             let (value, error) = value_of(&round.estimate);
             let (all, error_of_all) = value_of(&round.cumulative);
             writeln!(
                 f,
-                "{number:>5} {:>12}  {:>22}  {:>22}   {}",
+                "{number:>5} {:>12}  {:>22}  {:>22}",
                 round.estimate.samples(),
                 with_error(value, error, 2),
                 with_error(all, error_of_all, 2),
-                chi_squared(own.get(..=number).unwrap_or_default(), all),
+            )?;
+        }
+        if let Some((chi2, freedom)) = self.agreement() {
+            let q = ChiSquared::new(freedom).map_or(f64::NAN, |law| law.sf(chi2));
+            writeln!(
+                f,
+                "rounds against each other: chi2/dof {:.2}, probability {q:.2}",
+                chi2 / freedom
             )?;
         }
         Ok(())
+    }
+
+    /// Σ (F_r - F)² / e_r² over the rounds whose error is known, F their mean by numbers of samples,
+    /// with their number less one.
+    fn agreement(&self) -> Option<(f64, f64)> {
+        let rounds = || {
+            let all = self.rounds.iter().map(|round| {
+                let (value, error) = value_of(&round.estimate);
+                Some((value, error.filter(|error| *error > 0.0)?, round.estimate.samples() as f64))
+            });
+            all.flatten()
+        };
+        let (sum, samples) = rounds().fold((0.0, 0.0), |(s, n), (f, _, m)| (s + m * f, n + m));
+        let freedom = rounds().count().checked_sub(1).filter(|freedom| *freedom > 0)?;
+        let terms = rounds().map(|(value, error, _)| ((value - sum / samples) / error).powi(2));
+        Some((terms.sum(), freedom as f64))
     }
 
     fn write_techniques(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -124,21 +147,18 @@ impl<V: Value> Report<V> {
             estimate.zero(),
             estimate.uncovered(),
             estimate.non_finite()
-        )
+        )?;
+        if !self.tallied.is_empty() {
+            let (sums, misplaced) = (self.tallied.len(), self.misplaced);
+            writeln!(f, "sums: {sums}; amounts for sums that there are not: {misplaced}")?;
+        }
+        Ok(())
     }
 }
 
 /// Of the first component.
 fn value_of<V: Value>(estimate: &Estimate<V>) -> (f64, Option<f64>) {
     (estimate.value_of(0), estimate.error_of(0))
-}
-
-/// Σ (F_r - F)² / e_r² over the rounds so far, over their number less one.
-fn chi_squared(rounds: &[(f64, Option<f64>)], all: f64) -> String {
-    let terms = rounds.iter().map(|(value, error)| Some(((value - all) / (*error)?).powi(2)));
-    let sum: Option<f64> = terms.sum();
-    let freedom = rounds.len().saturating_sub(1);
-    or_dash(sum.filter(|_| freedom > 0).map(|sum| sum / freedom as f64), 2, "")
 }
 
 fn or_dash(x: Option<f64>, digits: usize, unit: &str) -> String {

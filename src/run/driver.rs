@@ -4,32 +4,27 @@ use std::fmt::Debug;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::Run;
 use super::checkpoint::{self, Identity};
 use super::error::{RunError, RunFault};
 use super::judge::{Gate, Judged};
-use super::progress::Progress;
+use super::progress::{MARGIN, Progress};
 use super::report::{Report, RoundSummary, Settings};
 use super::session::Session;
 use super::state::{Leaf, Round};
 use super::status::Stop;
 use super::tally::Cells;
-use super::target::Target;
 use super::threads::Threads;
 use super::tree::Node;
 use super::worker::{Brake, Job, Observer, Outcome, caught};
-use crate::error::ArgumentError;
+use crate::error::{ArgumentError, shortened};
 use crate::estimate::Estimate;
 use crate::estimator::{Estimator, Evidence, Frame};
 use crate::integrand::{Integrand, Value};
 use crate::part::Part;
 use crate::points::PointSource;
-
-/// A round is taken for large enough if its half-width times this is within the tolerance, so that
-/// the next one hardly ever fails to confirm it.
-const MARGIN: f64 = 1.1;
 
 /// How many samples of each technique tell one run from another.
 const FIRST_SAMPLES: u64 = 16;
@@ -37,8 +32,6 @@ const FIRST_SAMPLES: u64 = 16;
 pub(super) struct Driver<'a, P, F: ?Sized, E: ?Sized, S: ?Sized, O> {
     run: Run<'a>,
     job: Job<'a, P, F, E, S, O>,
-    /// If the points are those of a seed.
-    seed: Option<u64>,
 }
 
 /// How a run ended.
@@ -65,9 +58,8 @@ where
         f: &'a F,
         points: &'a S,
         observer: &'a O,
-        seed: Option<u64>,
     ) -> Self {
-        Self { run, job: Job { estimator, f, points, observer, point: PhantomData }, seed }
+        Self { run, job: Job { estimator, f, points, observer, point: PhantomData } }
     }
 
     /// Runs to the end; from the files of all shards, if there are any.
@@ -95,6 +87,7 @@ where
             last_save: began,
             last_watch: began,
             save_error: None,
+            confirming: false,
         };
         match files {
             Some(files) => session.gather(files)?,
@@ -183,8 +176,6 @@ where
         session: &mut Session,
     ) -> End<F::Value> {
         let mut all: Option<Leaf> = None;
-        // Whether all samples so far are good enough for the next round to confirm it.
-        let mut passed = false;
         for number in 0.. {
             if session.span(number).chunks() == 0 {
                 break;
@@ -209,11 +200,12 @@ where
             let (Some(own), Some(together)) = (own, &all) else { continue };
             if self.run.target.has_tolerance() {
                 let judged = self.judged(own.clone());
-                if passed && self.holds(&judged, Gate::Confirming, 1.0) {
+                if session.confirming && self.holds(&judged, Gate::Confirming, 1.0) {
                     let confirming = Some((own, judged));
                     return End { stop: Stop::Tolerance, fault: None, confirming, all };
                 }
-                passed = self.holds(&self.judged(together.clone()), Gate::NearNormal, MARGIN);
+                session.confirming =
+                    self.holds(&self.judged(together.clone()), Gate::NearNormal, MARGIN);
             }
             session.save();
             self.watch(session, number, together, brake);
@@ -250,8 +242,9 @@ where
                         session.rounds.iter().zip(0..number).filter_map(|(r, _)| r.total());
                     let all = earlier.chain(round.total()).reduce(|all, leaf| all.merge(&leaf));
                     let frame = job.estimator.frame();
-                    let seen =
-                        all.map(|all| progress::<F::Value>(&frame, &target, number, &all, session));
+                    let seen = all.map(|all| {
+                        Progress::new::<F::Value>(&frame, &target, number, &all, session)
+                    });
                     if seen.is_some_and(|seen| watcher(&seen) == ControlFlow::Break(())) {
                         brake.pull();
                     }
@@ -267,7 +260,7 @@ where
         let frame = self.frame();
         let Some((interval, mut watcher)) = self.run.watcher.take() else { return };
         session.last_watch = Instant::now();
-        let seen = progress::<F::Value>(&frame, &self.run.target, number, all, session);
+        let seen = Progress::new::<F::Value>(&frame, &self.run.target, number, all, session);
         if watcher(&seen) == ControlFlow::Break(()) {
             brake.pull();
         }
@@ -325,7 +318,7 @@ where
     fn settings(&self) -> Settings {
         let Run { target, threads, checkpoint, save_every, label, shard, .. } = &self.run;
         let all = [
-            self.seed.map(|seed| ("seed", seed.to_string())),
+            Some(("points", shortened(&self.job.points))),
             threads.map(|threads| ("threads", threads.to_string())),
             checkpoint.as_ref().map(|path| {
                 ("checkpoint", format!("{}, every {} s", path.display(), save_every.as_secs_f64()))
@@ -345,39 +338,5 @@ where
         let Evidence { tails, seen, densities } = Evidence::new(techniques, &thresholds);
         let cells = Cells::new(techniques, self.job.observer.sums());
         Leaf { node: Node { part, seen, densities, cells }, tails }
-    }
-}
-
-/// How far a run has come that has drawn `all`.
-fn progress<V: Value>(
-    frame: &Frame<'_>,
-    target: &Target,
-    round: u32,
-    all: &Leaf,
-    session: &Session,
-) -> Progress {
-    let Session { limit, loaded, began, .. } = session;
-    let estimate = Estimate::<V>::new(frame.design, frame.shares, all.node.part.clone());
-    let samples = estimate.samples();
-    let elapsed = began.elapsed();
-    let rate = samples.saturating_sub(*loaded) as f64 / elapsed.as_secs_f64().max(1e-9);
-    let excess = target.has_tolerance().then(|| target.excess(&estimate));
-    // Twice, for the round that confirms it.
-    let needed = excess.map_or(*limit as f64, |excess| {
-        (2.0 * samples as f64 * (MARGIN * excess).powi(2)).min(*limit as f64)
-    });
-    let remaining = Duration::try_from_secs_f64((needed - samples as f64).max(0.0) / rate).ok();
-    let until = target.limit_of_time().map(|time| time.saturating_sub(elapsed));
-    Progress {
-        round,
-        samples,
-        limit: *limit,
-        value: estimate.value_of(0),
-        standard_error: estimate.error_of(0),
-        excess,
-        elapsed,
-        rate,
-        remaining: [remaining, until].into_iter().flatten().min(),
-        unsaved: session.save_error.is_some(),
     }
 }

@@ -185,7 +185,8 @@ impl<'a> Run<'a> {
     }
 
     /// Draws only the part `index` (from 0) of `of` parts of the run, to be
-    /// [merged](Run::merge) with the others, which other processes draw.
+    /// [merged](Run::merge) with the others, which other processes draw. Processes on one machine
+    /// should be given [`threads`](Run::threads), or each takes them all.
     ///
     /// # Errors
     ///
@@ -216,7 +217,7 @@ impl<'a> Run<'a> {
         F: Integrand<P> + Sync + ?Sized,
         E: Estimator<P> + ?Sized,
     {
-        Driver::new(self, estimator, f, &Random::new(seed), &(), Some(seed)).run(None)
+        self.execute_from(estimator, f, &Random::new(seed))
     }
 
     /// Runs `estimator` on f with the canonical numbers of `points`.
@@ -236,7 +237,7 @@ impl<'a> Run<'a> {
         E: Estimator<P> + ?Sized,
         S: PointSource + ?Sized,
     {
-        Driver::new(self, estimator, f, points, &(), None).run(None)
+        Driver::new(self, estimator, f, points, &()).run(None)
     }
 
     /// Runs as [`execute_from`](Run::execute_from), and shows every sample to `observe`, which adds
@@ -280,7 +281,7 @@ impl<'a> Run<'a> {
         S: PointSource + ?Sized,
         O: Fn(&Sample<'_, P, F::Value>, &mut Tally<'_>) + Sync,
     {
-        Driver::new(self, estimator, f, points, &(sums, observe), None).run(None)
+        Driver::new(self, estimator, f, points, &(sums, observe)).run(None)
     }
 
     /// Puts the files of all shards of a run together, to the bits of the run in one piece. The
@@ -307,7 +308,7 @@ impl<'a> Run<'a> {
         S: PointSource + ?Sized,
     {
         let files: Vec<&Path> = files.iter().map(AsRef::as_ref).collect();
-        Driver::new(self, estimator, f, points, &(), None).run(Some(&files))
+        Driver::new(self, estimator, f, points, &()).run(Some(&files))
     }
 }
 

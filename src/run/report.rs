@@ -136,6 +136,12 @@ impl<V: Value> Report<V> {
         &self.judged.density_scores
     }
 
+    /// How many samples this session drew: all but those that were in the checkpoint.
+    #[must_use]
+    pub fn drawn(&self) -> u64 {
+        self.drawn
+    }
+
     /// How long this session took.
     #[must_use]
     pub fn elapsed(&self) -> Duration {

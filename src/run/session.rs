@@ -24,6 +24,8 @@ pub(super) struct Session {
     pub(super) loaded: u64,
     pub(super) last_save: Instant,
     pub(super) last_watch: Instant,
+    /// Whether all samples so far are good enough for the present round to confirm it.
+    pub(super) confirming: bool,
     /// Why the last attempt to save failed.
     pub(super) save_error: Option<CheckpointError>,
 }

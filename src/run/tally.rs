@@ -1,7 +1,10 @@
 //! Sums over the samples of a run that its user defines: histograms, derived observables.
 
+use std::fmt::{self, Display};
+
 use serde::{Deserialize, Serialize};
 
+use crate::estimate::with_error;
 use crate::estimator::{Design, Frame};
 use crate::part::Part;
 
@@ -35,6 +38,13 @@ pub struct Tallied {
     pub standard_error: Option<f64>,
     /// How many samples added to it.
     pub samples: u64,
+}
+
+/// `0.50012(21)`.
+impl Display for Tallied {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&with_error(self.value, self.standard_error, 2))
+    }
 }
 
 /// What the present sample has added to which sums.
