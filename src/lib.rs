@@ -38,6 +38,7 @@
 //! - [`weighting`]: how the techniques share f at x; [`Balance`](weighting::Balance) by default.
 //! - [`MultiSample`] and [`OneSample`], both an [`Estimator`], collect the contributions.
 //! - [`Estimate`]: value, standard error, interval, and what each technique did.
+//! - [`check`]: does a technique keep its promises? A report on every law.
 //! - `lighting`: an application, the radiance that leaves a surface.
 //!
 //! # Features
@@ -46,6 +47,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod check;
 mod discrete;
 mod error;
 mod estimate;
