@@ -5,17 +5,53 @@ use super::quadrature::gauss;
 /// The panels of one coordinate: nodes, weights, and the panel that each belongs to.
 pub(super) type Rule = Vec<(f64, f64, usize)>;
 
+/// How often the panel of a tail is halved at most.
+const HALVINGS: usize = 60;
+
 /// Gauss' rule of `order` points between neighbours of `inner`, which are in (0, 1) and increase.
+///
+/// The first and the last panel hold a tail and may be many times as wide as their neighbours: they
+/// are halved towards these until the parts are about as wide, and remain one panel by number.
 pub(super) fn panels(inner: &[f64], order: usize) -> Rule {
     let nodes = gauss(order);
-    let lower = std::iter::once(0.0).chain(inner.iter().copied());
-    let upper = inner.iter().copied().chain([1.0]);
-    let panels = lower.zip(upper).enumerate();
-    panels
-        .flat_map(|(k, (a, b))| {
-            nodes.iter().map(move |(x, w)| (a + x * (b - a), w * (b - a), k)).collect::<Rule>()
-        })
-        .collect()
+    let mut rule = Rule::new();
+    let mut add = |a: f64, b: f64, k: usize| {
+        rule.extend(nodes.iter().map(|(x, w)| (a + x * (b - a), w * (b - a), k)));
+    };
+    let [first, .., last] = inner else {
+        let middle = inner.first().copied().unwrap_or(1.0);
+        add(0.0, middle, 0);
+        if middle < 1.0 {
+            add(middle, 1.0, 1);
+        }
+        return rule;
+    };
+    let widths: Vec<f64> = inner.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let neighbour = |width: Option<&f64>| 2.0 * width.copied().unwrap_or(1.0);
+    let (mut a, b) = (0.0, *first);
+    for _ in 0..HALVINGS {
+        if b - a <= neighbour(widths.first()) {
+            break;
+        }
+        let middle = 0.5 * (a + b);
+        add(a, middle, 0);
+        a = middle;
+    }
+    add(a, b, 0);
+    for (k, pair) in inner.windows(2).enumerate() {
+        add(pair[0], pair[1], k + 1);
+    }
+    let (a, mut b) = (*last, 1.0);
+    for _ in 0..HALVINGS {
+        if b - a <= neighbour(widths.last()) {
+            break;
+        }
+        let middle = 0.5 * (a + b);
+        add(middle, b, inner.len());
+        b = middle;
+    }
+    add(a, b, inner.len());
+    rule
 }
 
 /// Calls `visit` with every node of the product of `rules`, its panels and its weight.
@@ -64,6 +100,16 @@ mod tests {
             for (cell, dy) in row.iter().zip([0.25, 0.3125, 0.4375]) {
                 assert!((cell / (dx * dy) - 1.0).abs() < 1e-14);
             }
+        }
+        // e^(-60 x) beyond its tenth, in one panel that is wide: halved, it is exact.
+        let tail = panels(&[0.01, 0.02, 0.04], 10);
+        let mass: f64 =
+            tail.iter().filter(|n| n.2 == 3).map(|(x, w, _)| w * (-60.0 * x).exp()).sum();
+        assert!((mass * 60.0 / (-2.4_f64).exp() - 1.0).abs() < 1e-10, "{mass}");
+        for inner in [&[][..], &[0.5], &[0.1, 0.2], &[0.98, 0.99]] {
+            let rule = panels(inner, 3);
+            assert!((rule.iter().map(|n| n.1).sum::<f64>() - 1.0).abs() < 1e-15);
+            assert_eq!(rule.iter().map(|n| n.2).max(), Some(inner.len()));
         }
         product(&[&Rule::new()], |_, _, _| panic!("there is no node"));
     }
