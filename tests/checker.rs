@@ -109,6 +109,14 @@ fn assert_size(report: &Report, law: Law, size: f64, relative: f64, words: &str)
     assert!(finding.detail().contains(words), "{words:?} is not in\n{report}");
 }
 
+/// The relative width that a detail reports, in per cent.
+fn width(report: &Report, law: Law) -> f64 {
+    let detail = report.get(law).unwrap().detail();
+    let words = "the middle half of the samples is ";
+    let number = detail.split(words).nth(1).and_then(|rest| rest.split(' ').next());
+    number.unwrap_or_else(|| panic!("{report}")).parse().unwrap()
+}
+
 #[test]
 fn what_is_not_spoilt_passes() {
     for report in [normal().report(), unit().report()] {
@@ -127,8 +135,11 @@ fn sampler_too_wide() {
     };
     let report = p.report();
     assert_broken(&report, &[Law::SampleIsInverse, Law::ChiSquared(0), Law::Kolmogorov(0)]);
-    assert_size(&report, Law::ChiSquared(0), 23.0, 0.3, "the middle half of the samples is 5.");
+    assert_size(&report, Law::ChiSquared(0), 18.0, 0.3, "% wider");
+    // sup abs(Φ(x) - Φ(x / 1.05)).
     assert_size(&report, Law::Kolmogorov(0), 0.0117, 0.3, "% wider");
+    // Of 1e5 samples, the quartiles' distance has the standard error 0.4 %.
+    assert!((width(&report, Law::ChiSquared(0)) - 5.0).abs() < 1.6, "{report}");
 }
 
 /// The inverse CDF and the CDF belong together, and both are too wide for the pdf.
@@ -146,7 +157,8 @@ fn sampler_and_cdf_too_wide() {
     assert_broken(&report, &[Law::Mass, Law::TailMass, Law::ChiSquared(0)]);
     // The largest difference of both CDFs between two points.
     assert_size(&report, Law::Mass, 0.0234, 0.2, "by the cdf");
-    assert_size(&report, Law::ChiSquared(0), 23.0, 0.3, "5.");
+    assert_size(&report, Law::ChiSquared(0), 18.0, 0.3, "% wider");
+    assert!((width(&report, Law::ChiSquared(0)) - 5.0).abs() < 1.6, "{report}");
 }
 
 #[test]
@@ -233,7 +245,8 @@ fn negative_infinite_and_nan_densities() {
         let report = check::technique(&p, &Uniform::unit(), square, &Options::default());
         // 100 000 samples, 4000 of two pilots, 2000 and a few at the edges: of the former, 10 %.
         assert!(!report.get(Law::SampleDensity).unwrap().passed(), "{report}");
-        assert!(!report.get(Law::Integral).unwrap().passed(), "{report}");
+        // An infinite density may be one that has overflowed: the logarithm, here 0, decides.
+        assert_eq!(report.get(Law::Integral).unwrap().passed(), spoilt > 0.0, "{report}");
         assert_eq!(report.get(Law::Density).unwrap().passed(), spoilt > 0.0, "{report}");
     }
 }
@@ -244,14 +257,13 @@ fn samples_outside_the_support() {
     p.sample = |_, u| if u > 0.99 { u + 1.0 } else { u };
     let report = p.report();
     assert_size(&report, Law::SampleSupport, 1020.0, 0.2, "outside [0.0, 1.0]");
-    assert_size(&report, Law::SampleDensity, 1020.0, 0.2, ")) = 0.0, x = 1.99");
+    assert_size(&report, Law::SampleDensity, 1020.0, 0.2, ")) = 0.0, x = ");
     assert_size(&report, Law::SampleIsInverse, 1.0, 1e-9, "sample(");
     let report = check::technique(&p, &Uniform::unit(), |x| [*x], &Options::default());
     assert!(report.get(Law::Reference).unwrap().measured() > 900.0, "{report}");
     let report =
         check::technique(&p, &Uniform::new(0.0, 2.0).unwrap(), |x| [*x], &Options::default());
-    assert!(!report.get(Law::SampleDensity).unwrap().passed(), "{report}");
-    assert!(!report.get(Law::ChiSquared(0)).unwrap().passed(), "{report}");
+    assert_size(&report, Law::SampleDensity, 1120.0, 0.2, "x = 1.99");
 }
 
 #[test]
@@ -278,7 +290,7 @@ fn an_unbounded_support_whose_ends_are_sampled() {
         }
     }
     let report = check::inverse_cdf(&Careless, &Options::default());
-    assert_size(&report, Law::SampleSupport, 1.0, 0.0, "sample(1.0) = inf outside [-0.0, inf]");
+    assert_size(&report, Law::SampleSupport, 1.0, 0.0, "sample(1.0) = inf outside [0.0, inf]");
 }
 
 #[test]
@@ -289,7 +301,7 @@ fn an_inverse_that_is_none() {
         if 0.0 < x && x < 0.5 { x + 0.02 * x * (0.5 - x) } else { x }
     };
     let report = p.report();
-    assert_size(&report, Law::RoundTrip, 0.00125, 0.01, "cdf(inverse_cdf(0.25");
+    assert_size(&report, Law::RoundTrip, 0.00125, 0.01, "cdf(inverse_cdf(0.2");
     assert!(!report.get(Law::SampleIsInverse).unwrap().passed());
     assert!(report.get(Law::Monotone).unwrap().passed(), "{report}");
 }
@@ -299,8 +311,14 @@ fn a_cdf_that_falls() {
     let mut p = unit();
     p.cdf = |p, x| if (0.5..0.75).contains(&x) { p.cdf(x) - 0.125 } else { p.cdf(x) };
     let report = p.report();
-    assert_size(&report, Law::Monotone, 0.125, 0.05, "cdf(0.5");
-    assert_size(&report, Law::RoundTrip, 0.125, 1e-9, "cdf(inverse_cdf(");
+    assert_size(
+        &report,
+        Law::Monotone,
+        0.125,
+        0.05,
+        "cdf(0.4989589382386793) = 0.4989589382386793, cdf(0.5) = 0.375",
+    );
+    assert_size(&report, Law::RoundTrip, 0.125, 1e-9, "survival(inverse_survival(");
     p.inverse = |p, u| if 0.0 < u && u < 1.0 { p.inverse_cdf(1.0 - u) } else { p.inverse_cdf(u) };
     let report = p.report();
     assert_size(&report, Law::Monotone, f64::INFINITY, 0.0, "inverse_cdf(");
@@ -310,7 +328,7 @@ fn a_cdf_that_falls() {
 fn ends_and_odd_arguments() {
     let mut p = unit();
     p.inverse = |_, u| u;
-    assert_size(&p.report(), Law::Ends, 11.0, 0.0, "inverse_cdf(-5e-324) = -5e-324, not NaN");
+    assert_size(&p.report(), Law::Ends, 5.0, 0.0, "inverse_cdf(-5e-324) = -5e-324, not NaN");
     let mut p = unit();
     p.cdf = |_, x| x;
     assert!(
@@ -323,11 +341,14 @@ fn ends_and_odd_arguments() {
 
 #[test]
 fn tails_without_relative_precision() {
-    let p = unit();
     // The survival function is 1 - P: absolute precision only.
-    let strict = check::inverse_cdf(&p, &Options::strict());
-    assert_size(&strict, Law::Tails, 1.0, 0.5, "survival(inverse_survival(");
-    assert!(check::inverse_cdf(&Uniform::unit(), &Options::strict()).passed());
+    let right = Exponential::new(1.0, 0.0, f64::INFINITY).unwrap();
+    let p = Faulty::of(right);
+    let report = check::inverse_cdf(&p, &Options::strict());
+    assert_broken(&report, &[Law::Tails, Law::TailMass]);
+    assert_size(&report, Law::Tails, 1.0, 0.0, "survival(inverse_survival(");
+    assert!(check::inverse_cdf(&right, &Options::strict()).passed());
+    assert!(p.report().passed());
 }
 
 #[test]
@@ -566,6 +587,9 @@ impl Technique for Polar {
     }
 }
 
+/// Of the disc seen at 45°, to rounding.
+const RIM: f64 = std::f64::consts::FRAC_1_SQRT_2 * (1.0 - 1e-15);
+
 const SPHERE: Polar = Polar { z: |u| 1.0 - 2.0 * u, pdf: |_| 0.25 / PI };
 
 fn on_the_sphere(p: &Polar) -> Report {
@@ -585,12 +609,12 @@ fn directions_with_a_wrong_jacobian() {
     assert!(report.get(Law::ChiSquared(1)).unwrap().passed(), "{report}");
     // A disc of radius 1 at the height 1: its pdf per area, not per steradian.
     let z = |u: f64| (1.0 + u).sqrt().recip();
-    let per_area = |z: f64| if z >= 0.5_f64.sqrt() { 1.0 / PI } else { 0.0 };
+    let per_area = |z: f64| if z >= RIM { 1.0 / PI } else { 0.0 };
     let report = on_the_sphere(&Polar { z, pdf: per_area });
     // ∫ dω / π = 2 (1 - √½).
     assert_size(&report, Law::Integral, 1.0 - 2.0 * (1.0 - 0.5_f64.sqrt()), 0.02, "% too little");
     assert!(!report.get(Law::ChiSquared(0)).unwrap().passed(), "{report}");
-    let per_steradian = |z: f64| if z >= 0.5_f64.sqrt() { 1.0 / (PI * z.powi(3)) } else { 0.0 };
+    let per_steradian = |z: f64| if z >= RIM { 1.0 / (PI * z.powi(3)) } else { 0.0 };
     let report = on_the_sphere(&Polar { z, pdf: per_steradian });
     assert!(report.passed(), "{report}");
 }
@@ -607,7 +631,8 @@ fn a_reference_that_does_not_suffice() {
     // Half of the samples are where the reference has no density.
     let half = Uniform::new(0.5, 1.0).unwrap();
     let report = check::technique(&Uniform::unit(), &half, |x| [*x], &options);
-    assert_size(&report, Law::Reference, 50_000.0, 0.1, "the reference has the density 0.0");
+    // Of 1e5 samples and a pilot's 1e4.
+    assert_size(&report, Law::Reference, 55_000.0, 0.02, "the reference has the density 0.0");
     // Few samples say little, and nothing panics.
     for samples in [0, 1, 7, 50] {
         let report = check::technique(&half, &wide, |x| [*x], &options.clone().samples(samples));

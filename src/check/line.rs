@@ -21,6 +21,11 @@ pub(super) fn ulp(x: f64) -> f64 {
     x.next_up() - x
 }
 
+/// 2⁻⁵² max(1, |ln p|), finite.
+pub(super) fn unit_of(ln_pdf: f64) -> f64 {
+    f64::EPSILON * if ln_pdf.is_finite() { ln_pdf.abs().max(1.0) } else { 1.0 }
+}
+
 impl<'a> Line<'a> {
     pub(super) fn new(p: &'a dyn InverseCdf, calls: &'a Calls, options: &'a Options) -> Self {
         let ends = calls.try_call(|| "support()".into(), || p.support());
@@ -231,7 +236,7 @@ impl<'a> Line<'a> {
             inverse
                 .limit(miss, 0.0, || format!("sample({u:?}) = {x:?}, inverse_cdf of it {exact:?}"));
             let ln_pdf = self.ln_pdf(x);
-            let bound = self.options.ln_pdf * f64::EPSILON * ln_pdf.abs().max(1.0);
+            let bound = self.options.ln_pdf * unit_of(ln_pdf);
             let miss = (ln_pdf - pdf.ln()).abs();
             let miss = if pdf.is_subnormal() && ln_pdf.is_finite() { 0.0 } else { miss };
             logarithm.limit(miss, bound, || {

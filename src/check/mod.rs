@@ -208,6 +208,9 @@ where
     // A reference that does not suffice is named already, unless it does not cover.
     if !covered.passed() {
         masses.retain(|finding| finding.law() != Law::Reference);
+        for finding in masses.iter_mut().filter(|finding| !finding.passed()) {
+            finding.verdict = Verdict::Unresolved;
+        }
     }
     if masses.iter().all(|finding| finding.law() != Law::Reference) {
         findings.push(covered);

@@ -4,6 +4,7 @@ use std::fmt::Debug;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::calls::Calls;
+use super::line::unit_of;
 use super::options::Options;
 use super::report::{Finding, Law, Tally};
 use crate::points::{PointSource, Random};
@@ -159,7 +160,7 @@ impl<'a, P: Debug> Points<'a, P> {
                 format!("pdf(sample({})) = {pdf:?}, x = {}", few(xi), text(&x))
             });
             let units = self.options.ln_pdf * coordinates.max(1) as f64;
-            let bound = units * f64::EPSILON * ln_pdf.abs().max(1.0);
+            let bound = units * unit_of(ln_pdf);
             let miss = (ln_pdf - pdf.ln()).abs();
             let known = !pdf.is_normal() && pdf >= 0.0 && ln_pdf.is_finite();
             logarithm.limit(if known { 0.0 } else { miss }, bound, || {
