@@ -1,9 +1,10 @@
 //! The checker finds every fault, names it and says how large it is; and it lets right techniques
 //! pass.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::f64::consts::{PI, TAU};
 
-use mis::check::{self, Law, Options, Report, Verdict};
+use mis::check::{self, Finding, Law, Options, Report, Verdict};
 use mis::technique::{
     Exponential, InverseCdf, Normal, Product, Technique, Uniform, UniformBox, canonical,
 };
@@ -88,7 +89,7 @@ fn unit() -> Faulty<Uniform> {
 
 /// The laws that do not hold, and no other.
 fn assert_broken(report: &Report, laws: &[Law]) {
-    let broken: Vec<Law> = report.failures().map(|finding| finding.law()).collect();
+    let broken: Vec<Law> = report.failures().map(Finding::law).collect();
     assert_eq!(broken, laws, "{report}");
     assert!(!report.passed());
     for law in laws {
@@ -671,6 +672,8 @@ fn no_number_makes_a_check_panic() {
     }
 }
 
+type Case = Box<dyn Fn(u64) -> Report>;
+
 /// How many of `seeds` reports a right technique fails.
 fn false_alarms(seeds: u64, report: impl Fn(u64) -> Report) -> f64 {
     (0..seeds).map(|seed| f64::from(u8::from(!report(seed).passed()))).sum()
@@ -683,7 +686,7 @@ fn false_alarms_are_within_their_rate() {
     let allowed = 300.0 * rate + 4.42 * (300.0 * rate * (1.0 - rate)).sqrt();
     let options = |seed| Options::default().seed(seed).samples(2000).false_alarms(rate);
     let exponential = Exponential::new(1.0, 0.0, f64::INFINITY).unwrap();
-    let cases: [(&str, Box<dyn Fn(u64) -> Report>); 4] = [
+    let cases: [(&str, Case); 4] = [
         ("line", Box::new(move |seed| check::inverse_cdf(&exponential, &options(seed)))),
         (
             "quadrature",

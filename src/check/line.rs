@@ -15,6 +15,12 @@ pub(super) struct Line<'a> {
     pub(super) b: f64,
 }
 
+/// Samples and the numbers that they are made of.
+pub(super) struct Samples {
+    pub(super) us: Vec<f64>,
+    pub(super) xs: Vec<f64>,
+}
+
 /// The distance to the next larger number of the magnitude of `x`.
 pub(super) fn ulp(x: f64) -> f64 {
     let x = x.abs().min(f64::MAX.next_down());
@@ -61,6 +67,11 @@ impl<'a> Line<'a> {
         self.calls.number("sample", u, |u| self.p.sample(&[u]))
     }
 
+    pub(super) fn sample_all(&self, us: Vec<f64>) -> Samples {
+        let xs = self.calls.numbers("sample", &us, |u| self.p.sample(&[u]));
+        Samples { us, xs }
+    }
+
     fn inside(&self, x: f64) -> bool {
         self.a <= x && x <= self.b
     }
@@ -71,9 +82,9 @@ impl<'a> Line<'a> {
         ulp(x) * pdf(x).max(pdf(x.next_up())).max(pdf(x.next_down()))
     }
 
-    /// All laws that need no integral; `us` and `many` are random numbers in the unit interval, and
-    /// the samples of `many` are only looked at.
-    pub(super) fn laws(&self, us: &[f64], many: &[f64]) -> Vec<Finding> {
+    /// All laws that need no integral; `us` are random numbers in the unit interval, and
+    /// of `many` samples only support and density are looked at.
+    pub(super) fn laws(&self, us: &[f64], many: &Samples) -> Vec<Finding> {
         let mut findings = vec![self.ends()];
         findings.extend(self.round_trip(us));
         findings.push(self.tails());
@@ -212,25 +223,24 @@ impl<'a> Line<'a> {
         finding
     }
 
-    fn samples(&self, us: &[f64], many: &[f64]) -> [Finding; 4] {
+    fn samples(&self, us: &[f64], many: &Samples) -> [Finding; 4] {
         let mut inverse = Tally::new(Law::SampleIsInverse);
         let mut support = Tally::new(Law::SampleSupport);
         let mut density = Tally::new(Law::SampleDensity);
         let mut logarithm = Tally::new(Law::LnPdf);
         let edges = [0.0, 2f64.powi(-54), 0.5, 1.0 - 2f64.powi(-53), 1.0];
-        let mut look = |u: f64| {
-            let x = self.sample(u);
+        let mut look = |u: f64, x: f64, pdf: f64| {
             support.holds(x.is_finite() && self.inside(x), || {
                 format!("sample({u:?}) = {x:?} outside [{:?}, {:?}]", self.a, self.b)
             });
-            let pdf = self.pdf(x);
             density.holds(pdf.is_finite() && pdf > 0.0, || {
                 format!("pdf(sample({u:?})) = {pdf:?}, x = {x:?}")
             });
-            (x, pdf)
         };
         for &u in edges.iter().chain(us) {
-            let (x, pdf) = look(u);
+            let x = self.sample(u);
+            let pdf = self.pdf(x);
+            look(u, x, pdf);
             let exact = self.inverse_cdf(canonical(&[u], 0));
             let miss = if x == exact { 0.0 } else { (x - exact).abs() };
             inverse
@@ -243,8 +253,9 @@ impl<'a> Line<'a> {
                 format!("ln_pdf({x:?}) = {ln_pdf:?}, ln of the pdf {:?}", pdf.ln())
             });
         }
-        for &u in many {
-            look(u);
+        let pdfs = self.calls.numbers("pdf", &many.xs, |x| self.p.pdf(&x));
+        for ((&u, &x), pdf) in many.us.iter().zip(&many.xs).zip(pdfs) {
+            look(u, x, pdf);
         }
         [inverse.finding(), support.finding(), density.finding(), logarithm.finding()]
     }

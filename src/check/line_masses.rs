@@ -1,7 +1,7 @@
 //! The laws of an [`InverseCdf`](crate::InverseCdf) about integrals of its pdf.
 
 use super::histogram::{Histogram, describe, unresolved};
-use super::line::Line;
+use super::line::{Line, Samples};
 use super::quadrature::integral;
 use super::report::{Finding, Law, Tally};
 use super::statistics::{known_masses, kolmogorov, kolmogorov_factor};
@@ -48,13 +48,13 @@ impl Line<'_> {
         [whole.finding(), between.finding(), tails.finding()]
     }
 
-    /// χ² and Kolmogorov's distance of the samples at `us`.
-    pub(super) fn statistics(&self, us: &[f64], level: f64) -> [Finding; 2] {
-        if us.is_empty() {
+    /// χ² and Kolmogorov's distance of samples.
+    pub(super) fn statistics(&self, many: &Samples, level: f64) -> [Finding; 2] {
+        let xs = &many.xs;
+        if xs.is_empty() {
             return [Law::ChiSquared(0), Law::Kolmogorov(0)]
                 .map(|law| unresolved(law, "no samples"));
         }
-        let xs: Vec<f64> = us.iter().map(|u| self.sample(*u)).collect();
         let mut edges: Vec<f64> =
             (0..=BINS).map(|k| self.inverse_cdf(f64::from(k) / f64::from(BINS))).collect();
         edges.sort_by(f64::total_cmp);
@@ -63,7 +63,7 @@ impl Line<'_> {
         let masses: Vec<f64> =
             edges.windows(2).map(|cell| self.mass(cell[0], cell[1], &splits)).collect();
         let mut histogram = Histogram::new(edges);
-        for x in &xs {
+        for x in xs {
             histogram.push(*x);
         }
         let shape = histogram.shape(&masses);
@@ -71,10 +71,10 @@ impl Line<'_> {
         let mut chi_squared =
             describe(Law::ChiSquared(0), fit, level, |bins| histogram.range(bins));
 
-        let mut ranks: Vec<f64> = xs.iter().map(|x| self.cdf(*x)).collect();
+        let mut ranks = self.calls.numbers("cdf", xs, |x| self.p.cdf(x));
         let distance = kolmogorov(&mut ranks);
         let mut tally = Tally::new(Law::Kolmogorov(0));
-        let bound = kolmogorov_factor(level) / (us.len() as f64).sqrt();
+        let bound = kolmogorov_factor(level) / (xs.len() as f64).sqrt();
         tally.limit(distance, bound, || shape.clone());
         if !chi_squared.passed() && !shape.is_empty() {
             chi_squared.detail = format!("{}; {shape}", chi_squared.detail);
@@ -84,7 +84,7 @@ impl Line<'_> {
 
     /// ∫ p between `lower` and `upper`, split at the quantiles and where the density jumps.
     fn mass(&self, lower: f64, upper: f64, splits: &[f64]) -> f64 {
-        let f = |x: f64| self.pdf(x);
+        let f = |x: f64| self.p.pdf(&x);
         let centre = self.inverse_cdf(0.5);
         let mut cuts = vec![lower, upper];
         cuts.extend(splits.iter().copied().filter(|x| lower < *x && *x < upper));
@@ -92,7 +92,9 @@ impl Line<'_> {
         let pieces = cuts.windows(2).map(|cut| {
             let scale = (cut[0].max(-f64::MAX) - centre).abs();
             let scale = scale.min((cut[1].min(f64::MAX) - centre).abs());
-            integral(&f, cut[0], cut[1], scale)
+            let what = || format!("pdf between {:?} and {:?}", cut[0], cut[1]);
+            let mass = self.calls.try_call(what, || integral(&f, cut[0], cut[1], scale));
+            mass.unwrap_or(f64::NAN)
         });
         pieces.sum()
     }

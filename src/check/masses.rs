@@ -18,6 +18,9 @@ const REFERENCE: usize = 4;
 const WORTH: f64 = 400.0;
 const SHARE: f64 = 0.02;
 
+/// Two orders of quadrature: in few panels, and in many or with three coordinates.
+const ORDERS: [[usize; 2]; 2] = [[6, 3], [10, 5]];
+
 /// Masses by quadrature, where it converges: of a whole, of bins and of cells.
 struct Exact {
     total: Option<f64>,
@@ -33,13 +36,17 @@ impl<P: Debug> Points<'_, P> {
         let pilot = (n / 10).clamp(2000, 20_000);
         let (mut values, mut weighted) = (Vec::new(), Vec::new());
         self.rows(Stream::Pilot, pilot, dimension, |xi| {
-            values.push((self.own(xi, tallies), 0.5 / pilot as f64));
+            let mut c = Vec::new();
+            self.own(xi, &mut c, tallies);
+            values.push((c, 0.5 / pilot as f64));
         });
         let Some(coordinates) = values.iter().map(|(c, _)| c.len()).find(|len| *len > 0) else {
             return vec![unresolved(Law::Integral, "no samples")];
         };
         self.rows(Stream::ReferencePilot, pilot, inner, |xi| {
-            weighted.push(self.other(xi, tallies))
+            let mut c = Vec::new();
+            let weight = self.other(xi, &mut c, tallies);
+            weighted.push((c, weight));
         });
         let total: f64 = weighted.iter().map(|(_, w)| w).sum();
         values.extend(weighted.into_iter().map(|(c, w)| (c, 0.5 * w / total)));
@@ -52,12 +59,16 @@ impl<P: Debug> Points<'_, P> {
         let pairs = pairs(coordinates);
         let mut fill = |stream, n, dimension, own: bool| {
             let mut binned = Binned::new(&edges, &pairs);
-            let mut strange = 0_u64;
+            let (mut c, mut strange) = (Vec::new(), 0_u64);
             self.rows(stream, n, dimension, |xi| {
-                let (c, w) =
-                    if own { (self.own(xi, tallies), 1.0) } else { self.other(xi, tallies) };
+                let weight = if own {
+                    self.own(xi, &mut c, tallies);
+                    1.0
+                } else {
+                    self.other(xi, &mut c, tallies)
+                };
                 if c.len() == coordinates {
-                    binned.push(&edges, &pairs, &c, w);
+                    binned.push(&edges, &pairs, &c, weight);
                 } else {
                     strange += 1;
                 }
@@ -72,7 +83,7 @@ impl<P: Debug> Points<'_, P> {
 
         let exact = self.exact(&edges, &pairs, inner, &other.total);
         let mut findings = vec![self.integral(&exact, &other.total, coordinates, &pairs)];
-        let worth = other.total.effective() >= WORTH && other.total.share() <= SHARE;
+        let worth = suffices(&other.total);
         let level = self.options.level(1 + 2 * coordinates + pairs.len());
         let mut lacking = findings[0].verdict == Verdict::Unresolved;
         for (d, edges) in edges.iter().enumerate() {
@@ -124,33 +135,37 @@ impl<P: Debug> Points<'_, P> {
     }
 
     /// The coordinates of a sample of the technique.
-    fn own(&self, xi: &[f64], tallies: &mut Tallies) -> Vec<f64> {
-        let mut c = Vec::new();
-        let Some(x) = self.sample(self.p, xi) else { return c };
-        let (pdf, ln_pdf) = self.density(self.p, &x);
-        let positive = pdf > 0.0 || (pdf == 0.0 && ln_pdf.is_finite());
-        tallies.density.holds(pdf.is_finite() && positive, || {
-            format!("pdf = {pdf:?} at the sample {} of ξ = {}", text(&x), text(&xi))
+    fn own(&self, xi: &[f64], c: &mut Vec<f64>, tallies: &mut Tallies) {
+        c.clear();
+        self.row(xi, || {
+            let x = self.sample(self.p, xi);
+            self.coordinates(&x, c);
+            let (pdf, ln_pdf) = self.density(self.p, &x);
+            let positive = pdf > 0.0 || (pdf == 0.0 && ln_pdf.is_finite());
+            tallies.density.holds(pdf.is_finite() && positive, || {
+                format!("pdf(sample({})) = {pdf:?}, x = {}", text(&xi), text(&x))
+            });
+            let (pdf, ln_pdf) = self.density(self.reference, &x);
+            tallies.reference.holds(pdf > 0.0 || ln_pdf > f64::NEG_INFINITY, || {
+                format!("the reference has the density {pdf:?} at the sample {}", text(&x))
+            });
         });
-        let (pdf, ln_pdf) = self.density(self.reference, &x);
-        tallies.reference.holds(pdf > 0.0 || ln_pdf > f64::NEG_INFINITY, || {
-            format!("the reference has the density {pdf:?} at the sample {}", text(&x))
-        });
-        self.coordinates(&x, &mut c);
-        c
     }
 
     /// The coordinates of a sample of the reference, and p / r there.
-    fn other(&self, xi: &[f64], tallies: &mut Tallies) -> (Vec<f64>, f64) {
-        let mut c = Vec::new();
-        let Some(x) = self.sample(self.reference, xi) else { return (c, f64::NAN) };
-        let (pdf, ratio) = self.ratio(&x);
-        tallies.anywhere.holds(pdf >= 0.0, || format!("pdf = {pdf:?} at {}", text(&x)));
-        tallies.reference.holds(!ratio.is_nan() || !(pdf >= 0.0), || {
-            format!("the reference has no density at its own sample {}", text(&x))
+    fn other(&self, xi: &[f64], c: &mut Vec<f64>, tallies: &mut Tallies) -> f64 {
+        c.clear();
+        let ratio = self.row(xi, || {
+            let x = self.sample(self.reference, xi);
+            self.coordinates(&x, c);
+            let (pdf, ratio) = self.ratio(&x);
+            tallies.anywhere.holds(pdf >= 0.0, || format!("pdf = {pdf:?} at {}", text(&x)));
+            tallies.reference.holds(!ratio.is_nan() || pdf.is_nan() || pdf < 0.0, || {
+                format!("the reference has no density at its own sample {}", text(&x))
+            });
+            ratio
         });
-        self.coordinates(&x, &mut c);
-        (c, ratio)
+        ratio.unwrap_or(f64::NAN)
     }
 
     /// p, and p / r with r of the reference, at one of its samples.
@@ -162,7 +177,8 @@ impl<P: Debug> Points<'_, P> {
         } else if p.is_nan() || p < 0.0 {
             f64::NAN
         } else {
-            (ln_p - ln_r).exp()
+            let ln = |pdf: f64, ln: f64| if pdf.is_normal() { pdf.ln() } else { ln };
+            (ln(p, ln_p) - ln(r, ln_r)).exp()
         };
         (p, ratio)
     }
@@ -185,7 +201,7 @@ impl<P: Debug> Points<'_, P> {
         let place = || format!("{}, with a standard error of {error:.1e}", too_much(mean));
         tally.limit((mean - 1.0).abs(), allowed, place);
         let mut finding = tally.finding();
-        if !(total.effective() >= WORTH && total.share() <= SHARE) && !mean.is_nan() {
+        if !suffices(total) && !mean.is_nan() {
             finding.verdict = Verdict::Unresolved;
             finding.detail = format!("{}; the reference is too poor to tell", too_much(mean));
         }
@@ -224,8 +240,8 @@ impl<P: Debug> Points<'_, P> {
                 .sum();
             miss <= 1e-2
         };
-        let orders = if inner < 3 { [6, 10] } else { [3, 5] };
-        let [low, high] = orders.map(|order| self.product_masses(&unit, pairs, order));
+        let both = self.row(&[], || ORDERS.map(|orders| self.product_masses(&unit, pairs, orders)));
+        let Some([low, high]) = both else { return exact };
         let miss = (high.total - estimate.mean()).abs();
         if !(miss <= 6.0 * estimate.error() + self.options.integral) {
             return exact;
@@ -249,9 +265,7 @@ impl<P: Debug> Points<'_, P> {
         let mut inverts = true;
         self.rows(Stream::Laws, 256, dimension, |xi| {
             let mut c = Vec::new();
-            if let Some(x) = self.sample(self.reference, xi) {
-                self.coordinates(&x, &mut c);
-            }
+            self.row(xi, || self.coordinates(&self.sample(self.reference, xi), &mut c));
             inverts &= c.len() == xi.len() && xi.iter().zip(&c).all(|(u, c)| (u - c).abs() <= 1e-7);
         });
         inverts
@@ -261,10 +275,10 @@ impl<P: Debug> Points<'_, P> {
         &self,
         edges: &[Edges],
         pairs: &[(usize, usize)],
-        order: usize,
+        [order, lower]: [usize; 2],
     ) -> ProductMasses {
-        let weight =
-            |xi: &[f64]| self.sample(self.reference, xi).map_or(f64::NAN, |x| self.ratio(&x).1);
+        let order = if edges.len() < 3 { order } else { lower };
+        let weight = |xi: &[f64]| self.ratio(&self.sample(self.reference, xi)).1;
         let joint: Vec<_> = edges.iter().map(|e| panels(&e.joint, order)).collect();
         let empty = Binned::new(edges, pairs);
         let mut masses =
@@ -276,15 +290,12 @@ impl<P: Debug> Points<'_, P> {
                 joint.push(cell[d] * (edges[e].joint.len() + 1) + cell[e], mass);
             }
         });
-        // With three coordinates, the two others in fewer panels.
-        let others: Vec<_> = if edges.len() < 3 {
-            joint
-        } else {
-            let few = |v: &[f64]| v.iter().copied().skip(1).step_by(3).collect::<Vec<f64>>();
-            edges.iter().map(|e| panels(&few(&e.joint), order)).collect()
-        };
+        // The other coordinates in fewer panels, and many panels with fewer nodes.
+        let few = |v: &[f64]| v.iter().copied().skip(1).step_by(3).collect::<Vec<f64>>();
+        let others: Vec<_> = edges.iter().map(|e| panels(&few(&e.joint), order)).collect();
+        let lower = if edges.len() == 1 { order } else { lower };
         for (d, edges) in edges.iter().enumerate() {
-            let fine = panels(&edges.fine, order);
+            let fine = panels(&edges.fine, lower);
             let mut rules: Vec<_> = others.iter().collect();
             rules[d] = &fine;
             let mut total = 0.0;
@@ -299,6 +310,11 @@ impl<P: Debug> Points<'_, P> {
         }
         masses
     }
+}
+
+/// Whether weighted samples tell masses; NaN does not.
+fn suffices(total: &Total) -> bool {
+    total.effective() >= WORTH && total.share() <= SHARE
 }
 
 /// What product quadrature finds.

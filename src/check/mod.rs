@@ -124,13 +124,14 @@ pub fn inverse_cdf<T: InverseCdf + ?Sized>(p: &T, options: &Options) -> Report {
         let _ = Random::new(options.seed).fill(stream, 0, 1, &mut us);
         us
     };
-    let (us, many) = (numbers(0, 2000), numbers(1, options.samples));
+    let us = numbers(0, 2000);
+    let many = line.sample_all(if options.resolved { numbers(1, options.samples) } else { vec![] });
     let mut findings = vec![];
     let dimension = calls.try_call(|| "dimension()".into(), || p.dimension());
     let mut tally = Tally::new(Law::Dimension);
     tally.holds(dimension == Some(1), || format!("dimension() = {dimension:?} on the line"));
     findings.push(tally.finding());
-    findings.extend(line.laws(&us, if options.resolved { &many } else { &[] }));
+    findings.extend(line.laws(&us, &many));
     if options.resolved {
         findings.extend(line.masses(&us));
         findings.extend(line.statistics(&many, options.level(2)));

@@ -19,8 +19,11 @@ const BLOCK: usize = 256;
 /// How many samples the laws at single points look at.
 const ROWS: usize = 2000;
 
-/// Points may have more coordinates than anyone wants to compare as text.
-const WORDY: usize = 16;
+/// How many of them are compared as text, too.
+const WORDY: usize = 64;
+
+/// How many coordinates are moved to the edges of the unit interval one by one.
+const EDGED: usize = 16;
 
 /// Streams of random numbers, one for each purpose.
 #[derive(Debug, Clone, Copy)]
@@ -82,29 +85,34 @@ impl<'a, P: Debug> Points<'a, P> {
         }
     }
 
-    pub(super) fn sample(&self, technique: &dyn Technique<Point = P>, xi: &[f64]) -> Option<P> {
-        self.calls.try_call(|| format!("sample({})", few(xi)), || technique.sample(xi))
+    /// What `f` returns, which calls the methods below for the row `xi`; nothing if one panics.
+    pub(super) fn row<T>(&self, xi: &[f64], f: impl FnOnce() -> T) -> Option<T> {
+        self.calls.try_call(|| format!("{} at ξ = {}", self.calls.name(), few(xi)), f)
+    }
+
+    pub(super) fn sample(&self, technique: &dyn Technique<Point = P>, xi: &[f64]) -> P {
+        self.calls.enter("sample");
+        technique.sample(xi)
     }
 
     /// A density and its logarithm; the latter only if the former left the range of `f64`.
     pub(super) fn density(&self, technique: &dyn Technique<Point = P>, x: &P) -> (f64, f64) {
-        let pdf = self.calls.try_call(|| format!("pdf({})", text(x)), || technique.pdf(x));
-        let pdf = pdf.unwrap_or(f64::NAN);
-        let ln = if pdf.is_normal() { pdf.ln() } else { self.ln_pdf(technique, x) };
+        self.calls.enter("pdf");
+        let pdf = technique.pdf(x);
+        let ln = if pdf.is_normal() { f64::NAN } else { self.ln_pdf(technique, x) };
         (pdf, ln)
     }
 
     pub(super) fn ln_pdf(&self, technique: &dyn Technique<Point = P>, x: &P) -> f64 {
-        let ln = self.calls.try_call(|| format!("ln_pdf({})", text(x)), || technique.ln_pdf(x));
-        ln.unwrap_or(f64::NAN)
+        self.calls.enter("ln_pdf");
+        technique.ln_pdf(x)
     }
 
-    /// Appends the coordinates of `x`, and says how many there are.
-    pub(super) fn coordinates(&self, x: &P, to: &mut Vec<f64>) -> usize {
-        let before = to.len();
-        let what = || format!("coordinates of {}", text(x));
-        let _ = self.calls.try_call(what, || (self.map)(x, to));
-        to.len().saturating_sub(before)
+    /// Makes `to` the coordinates of `x`.
+    pub(super) fn coordinates(&self, x: &P, to: &mut Vec<f64>) {
+        self.calls.enter("coordinates");
+        to.clear();
+        (self.map)(x, to);
     }
 
     /// Whether two points are the same: coordinates to the bit, and what is printed.
@@ -123,48 +131,46 @@ impl<'a, P: Debug> Points<'a, P> {
         let edges = [0.0, 2f64.powi(-54), 0.5, 1.0 - 2f64.powi(-53), 1.0];
         for edge in edges {
             xis.extend(std::iter::repeat_n(edge, dimension));
-            for d in 0..dimension.min(WORDY) {
+            for d in 0..dimension.min(EDGED) {
                 xis.extend((0..dimension).map(|e| if d == e { edge } else { 0.375 }));
             }
         }
         let mut pure = Tally::new(Law::Pure);
         let mut logarithm = Tally::new(Law::LnPdf);
-        let mut over = self.sample(self.p, &vec![0.625; dimension]);
+        let beginning = vec![0.625; dimension];
+        let mut over = self.row(&beginning, || self.sample(self.p, &beginning));
         let mut c = Vec::new();
         for (k, xi) in xis.chunks_exact(dimension).enumerate() {
-            let Some(x) = self.sample(self.p, xi) else { continue };
-            c.clear();
-            let coordinates = self.coordinates(&x, &mut c);
-            tallies.dimension.holds(coordinates > 0 && c.iter().all(|c| c.is_finite()), || {
-                format!("sample({}) = {} has coordinates {c:?}", few(xi), text(&x))
-            });
-            let wordy = coordinates <= WORDY || k < 64;
-            if let Some(again) = self.sample(self.p, xi) {
-                pure.holds(self.same(&again, &x, wordy), || {
+            self.row(xi, || {
+                let x = self.sample(self.p, xi);
+                self.coordinates(&x, &mut c);
+                tallies.dimension.holds(!c.is_empty() && c.iter().all(|c| c.is_finite()), || {
+                    format!("sample({}) = {} has coordinates {c:?}", few(xi), text(&x))
+                });
+                let pdf = self.density(self.p, &x).0;
+                let ln_pdf = self.ln_pdf(self.p, &x);
+                // A density below the range of f64 is known by its logarithm.
+                let positive = pdf > 0.0 || (pdf == 0.0 && ln_pdf.is_finite() && ln_pdf < -700.0);
+                tallies.density.holds(pdf.is_finite() && positive, || {
+                    format!("pdf(sample({})) = {pdf:?}, x = {}", few(xi), text(&x))
+                });
+                let units = self.options.ln_pdf * c.len().max(1) as f64;
+                let miss = (ln_pdf - pdf.ln()).abs();
+                let known = !pdf.is_normal() && pdf >= 0.0 && ln_pdf.is_finite();
+                logarithm.limit(if known { 0.0 } else { miss }, units * unit_of(ln_pdf), || {
+                    format!("ln_pdf = {ln_pdf:?}, ln of the pdf {:?} at {}", pdf.ln(), text(&x))
+                });
+                let again = self.sample(self.p, xi);
+                pure.holds(self.same(&again, &x, k < WORDY), || {
                     format!("sample({}) = {} and then {}", few(xi), text(&x), text(&again))
                 });
-            }
-            if let Some(over) = &mut over {
-                let what = || format!("sample_into({})", few(xi));
-                if self.calls.try_call(what, || self.p.sample_into(xi, over)).is_some() {
-                    pure.holds(self.same(over, &x, wordy), || {
+                if let Some(over) = &mut over {
+                    self.calls.enter("sample_into");
+                    self.p.sample_into(xi, over);
+                    pure.holds(self.same(over, &x, k < WORDY), || {
                         format!("sample({}) = {}, sample_into {}", few(xi), text(&x), text(over))
                     });
                 }
-            }
-            let pdf = self.density(self.p, &x).0;
-            let ln_pdf = self.ln_pdf(self.p, &x);
-            // A density below the range of f64 is known by its logarithm.
-            let positive = pdf > 0.0 || (pdf == 0.0 && ln_pdf.is_finite() && ln_pdf < -700.0);
-            tallies.density.holds(pdf.is_finite() && positive, || {
-                format!("pdf(sample({})) = {pdf:?}, x = {}", few(xi), text(&x))
-            });
-            let units = self.options.ln_pdf * coordinates.max(1) as f64;
-            let bound = units * unit_of(ln_pdf);
-            let miss = (ln_pdf - pdf.ln()).abs();
-            let known = !pdf.is_normal() && pdf >= 0.0 && ln_pdf.is_finite();
-            logarithm.limit(if known { 0.0 } else { miss }, bound, || {
-                format!("ln_pdf = {ln_pdf:?}, ln of the pdf {:?} at {}", pdf.ln(), text(&x))
             });
         }
         [pure.finding(), logarithm.finding(), self.batches(&xis, dimension)]
@@ -174,31 +180,32 @@ impl<'a, P: Debug> Points<'a, P> {
         let mut tally = Tally::new(Law::Batch);
         let rows = xis.len() / dimension;
         for held in [0, rows / 2, rows + 3] {
-            // Points of other rows, to be written over.
-            let others = xis.chunks_exact(dimension).rev().cycle().take(held);
-            let mut xs: Vec<P> = others.filter_map(|xi| self.sample(self.p, xi)).collect();
-            let what = || format!("sample_batch of {rows} into {held} points");
-            if self.calls.try_call(what, || self.p.sample_batch(xis, &mut xs)).is_none() {
-                continue;
-            }
-            tally.holds(xs.len() >= rows, || {
-                format!("sample_batch made {} points of {rows}", xs.len())
-            });
-            xs.truncate(rows);
-            let mut pdfs = vec![f64::NAN; xs.len()];
-            let what = || format!("pdf_batch of {} points", xs.len());
-            if self.calls.try_call(what, || self.p.pdf_batch(&xs, &mut pdfs)).is_none() {
-                continue;
-            }
-            for (k, ((xi, x), pdf)) in xis.chunks_exact(dimension).zip(&xs).zip(&pdfs).enumerate() {
-                let Some(one) = self.sample(self.p, xi) else { continue };
-                let wordy = dimension <= WORDY || k < 64;
-                tally.holds(self.same(x, &one, wordy), || {
-                    format!("sample_batch gives {}, sample {}", text(x), text(&one))
+            let made = self.row(xis, || {
+                // Points of other rows, to be written over.
+                let others = xis.chunks_exact(dimension).rev().cycle().take(held);
+                let mut xs: Vec<P> = others.map(|xi| self.sample(self.p, xi)).collect();
+                self.calls.enter("sample_batch");
+                self.p.sample_batch(xis, &mut xs);
+                tally.holds(xs.len() >= rows, || {
+                    format!("sample_batch made {} points of {rows}", xs.len())
                 });
-                let pdf_one = self.density(self.p, x).0;
-                tally.holds(pdf.to_bits() == pdf_one.to_bits(), || {
-                    format!("pdf_batch gives {pdf:?} at {}, pdf {pdf_one:?}", text(x))
+                xs.truncate(rows);
+                let mut pdfs = vec![f64::NAN; xs.len()];
+                self.calls.enter("pdf_batch");
+                self.p.pdf_batch(&xs, &mut pdfs);
+                (xs, pdfs)
+            });
+            let Some((xs, pdfs)) = made else { continue };
+            for (k, ((xi, x), pdf)) in xis.chunks_exact(dimension).zip(&xs).zip(&pdfs).enumerate() {
+                self.row(xi, || {
+                    let one = self.sample(self.p, xi);
+                    tally.holds(self.same(x, &one, k < WORDY), || {
+                        format!("sample_batch gives {}, sample {}", text(x), text(&one))
+                    });
+                    let pdf_one = self.density(self.p, x).0;
+                    tally.holds(pdf.to_bits() == pdf_one.to_bits(), || {
+                        format!("pdf_batch gives {pdf:?} at {}, pdf {pdf_one:?}", text(x))
+                    });
                 });
             }
         }
