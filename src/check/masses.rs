@@ -33,7 +33,7 @@ impl<P: Debug> Points<'_, P> {
     pub(super) fn masses(&self, dimensions: [usize; 2], tallies: &mut Tallies) -> Vec<Finding> {
         let [dimension, inner] = dimensions;
         let n = self.options.samples;
-        let pilot = (n / 10).clamp(2000, 20_000);
+        let pilot = (n / 10).clamp(1280, 20_000);
         let (mut values, mut weighted) = (Vec::new(), Vec::new());
         self.rows(Stream::Pilot, pilot, dimension, |xi| {
             let mut c = Vec::new();
@@ -246,14 +246,8 @@ impl<P: Debug> Points<'_, P> {
         if !(miss <= 6.0 * estimate.error() + self.options.integral) {
             return exact;
         }
-        if (low.total - high.total).abs() <= self.options.integral {
-            exact.total = Some(high.total);
-        }
-        for (to, (a, b)) in
-            exact.marginals.iter_mut().zip(low.marginals.iter().zip(&high.marginals))
-        {
-            *to = agreed(&a.sum, &b.sum).then(|| b.sum.clone());
-        }
+        let agrees = (low.total - high.total).abs() <= self.options.integral;
+        exact.total = agrees.then_some(high.total);
         for (to, (a, b)) in exact.joints.iter_mut().zip(low.joints.iter().zip(&high.joints)) {
             *to = agreed(&a.sum, &b.sum).then(|| b.sum.clone());
         }
@@ -291,7 +285,8 @@ impl<P: Debug> Points<'_, P> {
             }
         });
         // The other coordinates in fewer panels, and many panels with fewer nodes.
-        let few = |v: &[f64]| v.iter().copied().skip(1).step_by(3).collect::<Vec<f64>>();
+        let (skip, step) = if edges.len() < 3 { (1, 3) } else { (4, 9) };
+        let few = |v: &[f64]| v.iter().copied().skip(skip).step_by(step).collect::<Vec<f64>>();
         let others: Vec<_> = edges.iter().map(|e| panels(&few(&e.joint), order)).collect();
         let lower = if edges.len() == 1 { order } else { lower };
         for (d, edges) in edges.iter().enumerate() {

@@ -48,7 +48,7 @@
 //! | [`Law::Pure`] | points | sample(ξ) again, and `sample_into`, give the same point |
 //! | [`Law::LnPdf`] | all | abs(ln_pdf - ln p) ≤ *ln_pdf* 2⁻⁵² max(1, abs(ln p)) for each coordinate |
 //! | [`Law::Batch`] | all | as many points as asked for, each with the bits of `sample` and `pdf` |
-//! | [`Law::Integral`] | all | abs(∫ p - 1) ≤ *integral* by quadrature; else by z standard errors |
+//! | [`Law::Integral`] | all | abs(∫ p - 1) ≤ *integral* by quadrature; else ≤ *integral* + z standard errors |
 //! | [`Law::Mass`] | line | abs(P(y) - P(x) - ∫ p) ≤ *integral* + grain |
 //! | [`Law::TailMass`] | line | abs(P(x) - ∫ p) ≤ 100 *integral* P(x) + 2 grain below and above points far out |
 //! | [`Law::Reference`] | points | the reference has density at every sample, and enough samples tell ∫ p |
@@ -66,7 +66,8 @@
 //! For points, every mass is an expectation over the reference r, ∫_B p = E_r[1_B p / r]. Bins are
 //! quantiles, in a pilot run, of the samples and of the pdf in equal parts, so that a hole in either
 //! has bins of its own. The masses come by product quadrature in the reference's canonical numbers
-//! if there are at most three, the coordinates are these numbers, and two orders agree; else from
+//! if there are at most three, the coordinates are these numbers, and two orders agree (on ∫ p, to
+//! *integral*); else from
 //! four times as many samples of the reference as of the technique, and χ² allows for the noise of
 //! both. Where these are too few, or a few of them carry the integral, laws are
 //! [`Verdict::Unresolved`]: take a reference that is nearer to the technique.
@@ -74,8 +75,8 @@
 //! # Limits
 //!
 //! What no sample of the technique and no node of the quadrature or the reference meets, stays
-//! unknown. 1e5 samples tell an error of the density of about 3 % in a thirty-second of the mass.
-//! A method that never returns is waited for.
+//! unknown. Of normal samples that are too wide for their pdf, by 5 % and by 2 %, 1e5 samples found
+//! the former in 50 of 50 runs and the latter in 45; 1e6 found 1 % in 10 of 10. A method that never returns is waited for.
 
 mod bins;
 mod calls;

@@ -19,6 +19,9 @@ const BLOCK: usize = 256;
 /// How many samples the laws at single points look at.
 const ROWS: usize = 2000;
 
+/// There are fewer of them where they would use more numbers than this.
+const NUMBERS: usize = 500_000;
+
 /// How many of them are compared as text, too.
 const WORDY: usize = 64;
 
@@ -127,7 +130,8 @@ impl<'a, P: Debug> Points<'a, P> {
     /// All laws that need no integral.
     pub(super) fn laws(&self, dimension: usize, tallies: &mut Tallies) -> [Finding; 3] {
         let mut xis = Vec::new();
-        self.rows(Stream::Laws, ROWS, dimension, |xi| xis.extend_from_slice(xi));
+        let rows = (NUMBERS / dimension).clamp(ROWS / 20, ROWS);
+        self.rows(Stream::Laws, rows, dimension, |xi| xis.extend_from_slice(xi));
         let edges = [0.0, 2f64.powi(-54), 0.5, 1.0 - 2f64.powi(-53), 1.0];
         for edge in edges {
             xis.extend(std::iter::repeat_n(edge, dimension));

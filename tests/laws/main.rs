@@ -3,6 +3,8 @@
 //! `cargo test --test laws` uses 1e5 samples a technique; the battery at 1e6 is
 //! `cargo test --release --test laws -- --ignored`.
 
+#![allow(clippy::unwrap_used)] // the helpers of tests fail as tests do
+
 #[path = "../common/mod.rs"]
 mod common;
 
