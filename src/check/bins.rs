@@ -9,6 +9,9 @@ pub(super) const COARSE: usize = 4;
 /// Bins of a coordinate in the cells of two coordinates.
 const JOINT: usize = 10;
 
+/// How many pairs of coordinates are looked at.
+const PAIRS: usize = 100;
+
 /// The inner edges of one coordinate's bins.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Edges {
@@ -45,13 +48,14 @@ impl Edges {
     }
 }
 
-/// Pairs of coordinates whose dependence is looked at: all of a few, neighbours of many.
+/// Pairs of coordinates whose dependence is looked at: all of up to six coordinates, neighbours of
+/// more, evenly chosen where these are many.
 pub(super) fn pairs(coordinates: usize) -> Vec<(usize, usize)> {
-    let reach = if coordinates <= 6 { coordinates } else { 1 };
-    (0..coordinates)
-        .flat_map(|d| (d + 1..=d.saturating_add(reach)).map(move |e| (d, e)))
-        .filter(|(_, e)| *e < coordinates)
-        .collect()
+    if coordinates <= 6 {
+        return (0..coordinates).flat_map(|d| (d + 1..coordinates).map(move |e| (d, e))).collect();
+    }
+    let step = (coordinates - 1).div_ceil(PAIRS);
+    (0..coordinates - 1).step_by(step).map(|d| (d, d + 1)).collect()
 }
 
 /// Weighted samples in the bins of every coordinate and the cells of every pair.
@@ -151,6 +155,8 @@ mod tests {
     fn pairs_of_few_and_of_many() {
         assert_eq!(pairs(3), [(0, 1), (0, 2), (1, 2)]);
         assert_eq!(pairs(1), []);
-        assert_eq!(pairs(10).len(), 9);
+        assert_eq!(pairs(0), []);
+        assert_eq!((pairs(6).len(), pairs(7).len(), pairs(101).len()), (15, 6, 100));
+        assert_eq!((pairs(1000).len(), pairs(1000)[99]), (100, (990, 991)));
     }
 }

@@ -53,7 +53,7 @@
 //! | [`Law::TailMass`] | line | abs(P(x) - ∫ p) ≤ 100 *integral* P(x) + 2 grain below and above points far out |
 //! | [`Law::Reference`] | points | the reference has density at every sample, and enough samples tell ∫ p |
 //! | [`Law::ChiSquared`] | all | abs(z) of χ² in up to 32 bins ≤ the normal quantile of the level |
-//! | [`Law::JointChiSquared`] | points | the same in up to 10 × 10 cells of two coordinates |
+//! | [`Law::JointChiSquared`] | points | the same in up to 10 × 10 cells of two coordinates: all pairs of up to six, else up to 100 of neighbours |
 //! | [`Law::Kolmogorov`] | all | sup abs(P_n - P) ≤ sqrt(ln(2 / level) / 2n) |
 //!
 //! χ² = Σ (n_b - n P_b)² / n P_b becomes a standard score by Wilson and Hilferty's cube root; bins

@@ -21,7 +21,7 @@ fn check_points<P: AsRef<[f64]> + Debug>(
     let ranks =
         |x: &P| -> Vec<f64> { marginals.iter().zip(x.as_ref()).map(|(m, x)| m.cdf(*x)).collect() };
     let len = marginals.len();
-    let laws = 1 + 2 * len + if len <= 6 { len * (len - 1) / 2 } else { len - 1 };
+    let laws = 1 + 2 * len + if len <= 6 { len * (len - 1) / 2 } else { (len - 1).min(100) };
     let options = Options::strict().samples(n).integral(integral);
     let options = options.false_alarms(1e-5 * laws as f64);
     let report = mis::check::technique(p, reference, ranks, &options);
