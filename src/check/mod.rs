@@ -80,6 +80,7 @@
 
 mod bins;
 mod calls;
+mod exact;
 mod histogram;
 mod line;
 mod line_masses;
