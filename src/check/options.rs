@@ -51,7 +51,7 @@ impl Options {
         Self { round_trip: 4.0, tail_from: 1e-300, ..Self::default() }
     }
 
-    /// How many samples the statistical laws draw.
+    /// How many samples the statistical laws draw; of a reference they draw four times as many.
     #[must_use]
     pub fn samples(self, samples: usize) -> Self {
         Self { samples, ..self }

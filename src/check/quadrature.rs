@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Source: H. Takahasi, M. Mori, *Double Exponential Formulas for Numerical Integration*,
 /// Publ. RIMS 9 (1974).
 pub(super) fn integral(f: &dyn Fn(f64) -> f64, a: f64, b: f64, scale: f64) -> f64 {
-    if !(a.is_finite() || b.is_finite()) {
+    if !(a.is_finite() || b.is_finite()) || a.is_nan() || b.is_nan() {
         return f64::NAN;
     }
     let node = |t: f64| -> f64 {
@@ -96,6 +96,7 @@ mod tests {
             assert!((value / exact - 1.0).abs() < 1e-14, "{value} for {exact}");
         }
         assert!(integral(&|_| 1.0, f64::NEG_INFINITY, f64::INFINITY, 1.0).is_nan());
+        assert!(integral(&|_| 1.0, 0.0, f64::NAN, 1.0).is_nan());
         assert!(integral(&|_| f64::NAN, 0.0, 1.0, 1.0).is_nan());
     }
 

@@ -11,6 +11,9 @@ fn what_is_not_spoilt_passes() {
         assert!(report.passed(), "{report}");
         assert_eq!(report.findings().len(), 17, "{report}");
     }
+    let with = |seed| check::inverse_cdf(&normal(), &Options::default().seed(seed));
+    assert_eq!(with(1), normal().report());
+    assert_ne!(with(1).findings(), with(2).findings());
 }
 
 #[test]
