@@ -39,6 +39,7 @@
 //! - [`MultiSample`] and [`OneSample`], both an [`Estimator`], collect the contributions.
 //! - [`Estimate`]: value, standard error, interval, and what each technique did.
 //! - [`run`]: a [`Run`] drives an estimator to a [`Target`], on all threads, and judges the result.
+//! - [`check`]: does a technique keep its promises? A report on every law.
 //! - `lighting`: an application, the radiance that leaves a surface.
 //!
 //! # Features
@@ -49,6 +50,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod check;
 mod discrete;
 mod error;
 mod estimate;

@@ -1,6 +1,5 @@
 //! Densities with closed forms.
 
-use crate::common::laws::{LawOptions, check};
 use mis::technique::{
     Cauchy, Exponential, Linear, Normal, PowerLaw, TruncatedCauchy, TruncatedNormal, Uniform,
 };

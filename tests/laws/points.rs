@@ -1,11 +1,69 @@
 //! Points of several dimensions, and mixtures.
 
 use super::wrappers::{numeric_normal, sine, steps};
-use crate::common::laws::{canonical_numbers, chi_squared, kolmogorov};
-use crate::common::point_laws::check_points;
+use mis::check::Options;
 use mis::technique::{
-    InverseCdf, Mixture, PowerLaw, Product, ProductVec, Technique, Uniform, UniformBox, canonical,
+    InverseCdf, Mixture, PiecewiseConstant, PowerLaw, Product, ProductVec, Technique, Uniform,
+    UniformBox, canonical,
 };
+use std::fmt::Debug;
+
+/// Every law, by a reference that is the product of the marginals: its canonical numbers are the
+/// marginals' CDFs. The integral to `integral`, each statistical law at 1e-5.
+fn check_points<P: AsRef<[f64]> + Debug>(
+    p: &dyn Technique<Point = P>,
+    reference: &dyn Technique<Point = P>,
+    marginals: &[&dyn InverseCdf],
+    make: &dyn Fn(&[f64]) -> P,
+    n: usize,
+    integral: f64,
+) {
+    let ranks =
+        |x: &P| -> Vec<f64> { marginals.iter().zip(x.as_ref()).map(|(m, x)| m.cdf(*x)).collect() };
+    let len = marginals.len();
+    let laws = 1 + 2 * len + if len <= 6 { len * (len - 1) / 2 } else { (len - 1).min(100) };
+    let options = Options::strict().samples(n).integral(integral);
+    let options = options.false_alarms(1e-5 * laws as f64);
+    let report = mis::check::technique(p, reference, ranks, &options);
+    assert!(report.passed(), "{report}");
+    // Quadrature, not sampling, has told the integral.
+    let bound = report.get(mis::check::Law::Integral).unwrap().allowed();
+    assert!(len > 3 || bound <= integral, "{report}");
+    assert!(p.point_len().is_none_or(|own| own == len));
+    outside(p, marginals, make);
+}
+
+/// One coordinate outside its support, or NaN, is no density.
+fn outside<P>(
+    p: &dyn Technique<Point = P>,
+    marginals: &[&dyn InverseCdf],
+    make: &dyn Fn(&[f64]) -> P,
+) {
+    let centre: Vec<f64> = marginals.iter().map(|m| m.inverse_cdf(0.5)).collect();
+    for (d, marginal) in marginals.iter().enumerate() {
+        let (a, b) = marginal.support();
+        for edge in [a.next_down(), b.next_up()] {
+            let mut x = centre.clone();
+            x[d] = edge;
+            assert_eq!(p.pdf(&make(&x)), 0.0, "pdf({x:?})");
+            assert_eq!(p.ln_pdf(&make(&x)), f64::NEG_INFINITY, "ln_pdf({x:?})");
+        }
+        let mut x = centre.clone();
+        x[d] = f64::NAN;
+        let pdf = p.pdf(&make(&x));
+        assert!(pdf.is_nan() || pdf == 0.0, "pdf({x:?}) = {pdf}");
+    }
+}
+
+/// The product of these marginals, with points of an array.
+fn array<const D: usize>(marginals: [&dyn InverseCdf; D]) -> Product<&dyn InverseCdf, D> {
+    Product::new(marginals).unwrap()
+}
+
+/// The same with points of run-time length.
+fn vector<'a>(marginals: &[&'a dyn InverseCdf]) -> ProductVec<&'a dyn InverseCdf> {
+    ProductVec::new(marginals.to_vec()).unwrap()
+}
 
 /// The laws of points, on the smallest example.
 #[test]
@@ -29,20 +87,27 @@ fn points() {
     }
 
     let p = PowerLaw::new(1.0, 0.5, 2.0).unwrap();
-    check_points(&Square(p), &[&p, &p], &|x| [x[0], x[1]], 100_000, 1e-6);
+    check_points(&Square(p), &array([&p, &p]), &[&p, &p], &|x| [x[0], x[1]], 100_000, 1e-6);
 }
 
 #[test]
 fn product_of_two_and_three() {
     let p = Product::new([numeric_normal().unwrap(), numeric_normal().unwrap()]).unwrap();
     let normal = numeric_normal().unwrap();
-    check_points(&p, &[&normal, &normal], &|x| [x[0], x[1]], 100_000, 1e-12);
+    check_points(
+        &p,
+        &array([&normal, &normal]),
+        &[&normal, &normal],
+        &|x| [x[0], x[1]],
+        100_000,
+        1e-12,
+    );
 
     let (steps, sine) = (steps().unwrap(), sine().unwrap());
     let unit = Uniform::unit();
     let coordinates: [&dyn InverseCdf; 3] = [&steps, &sine, &unit];
     let p = Product::new(coordinates).unwrap();
-    check_points(&p, &coordinates, &|x| [x[0], x[1], x[2]], 100_000, 1e-12);
+    check_points(&p, &array(coordinates), &coordinates, &|x| [x[0], x[1], x[2]], 100_000, 1e-12);
 }
 
 #[test]
@@ -51,7 +116,7 @@ fn product_of_run_time_length() {
         vec![Box::new(Uniform::unit()), Box::new(sine().unwrap()), Box::new(steps().unwrap())];
     let p = ProductVec::new(coordinates).unwrap();
     let marginals: [&dyn InverseCdf; 3] = [&Uniform::unit(), &sine().unwrap(), &steps().unwrap()];
-    check_points(&p, &marginals, &|x| x.to_vec(), 100_000, 1e-12);
+    check_points(&p, &vector(&marginals), &marginals, &|x| x.to_vec(), 100_000, 1e-12);
 }
 
 #[test]
@@ -59,43 +124,36 @@ fn product_in_a_thousand_dimensions() {
     let side = Uniform::new(0.0, 10.0).unwrap();
     let p = ProductVec::new(vec![side; 1000]).unwrap();
     let marginals = vec![&side as &dyn InverseCdf; 1000];
-    check_points(&p, &marginals, &|x| x.to_vec(), 1000, 0.0);
+    check_points(&p, &vector(&marginals), &marginals, &|x| x.to_vec(), 1000, 0.0);
 }
 
 #[test]
 fn uniform_box() {
     let p = UniformBox::uniform([0.0, -1e9, 1e-9], [1e-300, 1e9, 2e-9]).unwrap();
     let [a, b, c] = *p.coordinates();
-    check_points(&p, &[&a, &b, &c], &|x| [x[0], x[1], x[2]], 100_000, 1e-12);
+    check_points(&p, &array([&a, &b, &c]), &[&a, &b, &c], &|x| [x[0], x[1], x[2]], 100_000, 1e-12);
     let p = ProductVec::uniform(&[0.0, -1.0], &[1.0, 3.0]).unwrap();
     let (a, b) = (p.coordinates()[0], p.coordinates()[1]);
-    check_points(&p, &[&a, &b], &|x| x.to_vec(), 100_000, 1e-12);
+    check_points(&p, &vector(&[&a, &b]), &[&a, &b], &|x| x.to_vec(), 100_000, 1e-12);
 }
 
-/// A mixture on the line: its CDF is the mixture of the CDFs.
+/// A mixture on the line: its steps are those of a table.
 #[test]
 fn mixture_on_the_line() {
-    let parts = [
+    let parts = vec![
         (Uniform::new(0.0, 4.0).unwrap(), 0.5),
         (Uniform::new(1.0, 2.0).unwrap(), 0.0),
         (Uniform::new(3.0, 3.5).unwrap(), 0.3),
         (Uniform::new(-7.0, -6.0).unwrap(), 0.2),
     ];
-    let p = Mixture::new(parts.to_vec()).unwrap();
-    let xis = canonical_numbers(4, 2 * 100_000);
-    let mut xs = Vec::new();
-    p.sample_batch(&xis, &mut xs);
-    let mut pdfs = vec![0.0; xs.len()];
-    p.pdf_batch(&xs, &mut pdfs);
-    for (x, pdf) in xs.iter().zip(&pdfs) {
-        assert!(*pdf > 0.0 && pdf.to_bits() == p.pdf(x).to_bits());
-        assert!((p.ln_pdf(x) - pdf.ln()).abs() <= 8.0 * f64::EPSILON * pdf.ln().abs().max(1.0));
+    let p = Mixture::new(parts).unwrap();
+    let edges = [-7.0, -6.0, 0.0, 3.0, 3.5, 4.0];
+    let table = PiecewiseConstant::new(&edges, &[0.2, 0.0, 0.375, 0.3625, 0.0625]).unwrap();
+    let options = Options::strict().integral(1e-12).false_alarms(3e-5);
+    let report = mis::check::technique(&p, &table, |x| [table.cdf(*x)], &options);
+    assert!(report.passed(), "{report}");
+    assert!(report.get(mis::check::Law::Integral).unwrap().allowed() <= 1e-12, "{report}");
+    for x in [-7.1, -3.0, 4.1, f64::NAN] {
+        assert_eq!(p.pdf(&x), 0.0);
     }
-    let cdf = |x: f64| parts.iter().map(|(part, p)| p * part.cdf(x)).sum::<f64>();
-    let edges: Vec<f64> = (0..=44).map(|k| -7.0 + 0.25 * f64::from(k)).collect();
-    let masses: Vec<f64> = edges.windows(2).map(|e| cdf(e[1]) - cdf(e[0])).collect();
-    let densities = edges.windows(2).map(|e| (e[1] - e[0]) * p.pdf(&(0.5 * (e[0] + e[1]))));
-    assert!(masses.iter().zip(densities).all(|(m, d)| (m - d).abs() <= 4.0 * f64::EPSILON));
-    chi_squared(&masses, xs.iter().map(|x| edges.partition_point(|e| e <= x) - 1));
-    kolmogorov(&mut xs.iter().map(|&x| cdf(x)).collect::<Vec<f64>>());
 }

@@ -2,7 +2,9 @@
 //!
 //! A few draws and few samples by default; 1e6 samples in the ignored battery.
 
-use crate::common::laws::{LawOptions, canonical_numbers, check};
+use crate::common::canonical_numbers;
+use crate::{check, strict};
+use mis::check::Options;
 use mis::technique::{
     Affine, Cauchy, Exponential, InverseCdf, Linear, Normal, PowerLaw, Technique, TruncatedCauchy,
     TruncatedNormal, Uniform,
@@ -63,9 +65,9 @@ fn techniques(seed: u64) -> Vec<(String, Box<dyn InverseCdf>)> {
     all
 }
 
-fn options() -> LawOptions {
+fn options() -> Options {
     // Quadrature cannot tell neighbouring numbers apart in a window far from 0.
-    LawOptions { integral: 1e-9, ..LawOptions::default() }
+    strict().integral(1e-9)
 }
 
 #[test]

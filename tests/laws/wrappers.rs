@@ -1,6 +1,5 @@
 //! Tables, wrappers, closures, numerical inversion, and the distributions of `statrs`.
 
-use crate::common::laws::{LawOptions, check};
 use mis::technique::{
     Affine, FnTechnique, NumericInverse, PiecewiseConstant, Statrs, Truncated, Uniform,
 };

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::common::laws::canonical_numbers;
+use crate::common::canonical_numbers;
 use crate::support::{alone, assert_close, assert_unbiased, direction, horizontal, sphere_light};
 use mis::lighting::{
     Bsdf, DVec3, Direction, Lambert, Light, ModifiedPhong, PhongLobe, Rectangle, ReflectedRadiance,

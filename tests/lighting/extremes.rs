@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-use crate::common::laws::canonical_numbers;
+use crate::common::canonical_numbers;
 use crate::support::{
     alone, assert_close, assert_unbiased, by_quadrature, ceiling, direction, horizontal, over,
     polygon_irradiance, sphere_light, white,

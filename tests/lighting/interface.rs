@@ -1,6 +1,6 @@
 //! The slides' pseudocode, line by line, beside the estimators.
 
-use crate::common::laws::canonical_numbers;
+use crate::common::canonical_numbers;
 use crate::support::{assert_close, direction, horizontal, sphere_light};
 use mis::lighting::{
     Bsdf, DVec3, Direction, Incident, ModifiedPhong, ReflectedRadiance, Scene, SeenLight, Surface,

@@ -2,58 +2,69 @@
 
 use std::f64::consts::TAU;
 
-use crate::common::laws::{canonical_numbers, chi_squared};
-use crate::common::quadrature::gauss;
+use crate::common::canonical_numbers;
 use crate::support::{ceiling, direction};
 use mis::Technique;
+use mis::check::{Law, Options};
 use mis::lighting::{
     CosineHemisphere, DVec3, Direction, PhongLobe, Rectangle, Shape, Sphere, SphericalRectangle,
 };
+use mis::technique::canonical;
 
-/// Chi-squared over cells of rings × 8 sectors about `axis`, with the cells' probabilities from
-/// the pdf; `edges` are of q = 1 - cos α, and outside them there is no density.
-fn check_rings(p: &dyn Technique<Point = Direction>, axis: Direction, edges: &[f64], n: usize) {
-    const SECTORS: usize = 8;
-    let (s, t) = axis.vector().any_orthonormal_pair();
-    let turned = |w: &Direction| {
-        let turn = w.vector().dot(t).atan2(w.vector().dot(s)) / TAU;
-        (turn + 1.0).fract()
-    };
-    let direction_at = |q: f64, turn: f64| {
-        let (sin, cos) = (TAU * turn).sin_cos();
-        let radius = (q * (2.0 - q)).sqrt();
-        Direction::new((1.0 - q) * axis.vector() + radius * (cos * s + sin * t)).unwrap()
-    };
-    let rule = gauss(64);
-    let mut probabilities = Vec::new();
-    for ring in edges.windows(2) {
-        for sector in 0..SECTORS {
-            let mut mass = 0.0;
-            for &(u, wu) in &rule {
-                for &(v, wv) in &gauss(2) {
-                    let q = ring[0] + u * (ring[1] - ring[0]);
-                    let w = direction_at(q, (sector as f64 + v) / SECTORS as f64);
-                    mass += wu * wv * p.pdf(&w) * (ring[1] - ring[0]) * TAU / SECTORS as f64;
-                }
-            }
-            probabilities.push(mass);
-        }
-    }
-    let total: f64 = probabilities.iter().sum();
-    assert!((total - 1.0).abs() < 1e-9, "∫ p = {total}");
-    let xis = canonical_numbers(11, 2 * n);
-    let cells = xis.chunks_exact(2).map(|xi| {
-        let w = p.sample(xi);
-        assert!(p.pdf(&w) > 0.0);
-        let q = w.one_minus_cos(axis);
-        let ring = edges[1..edges.len() - 1].iter().filter(|edge| q >= **edge).count();
-        ring * SECTORS + ((SECTORS as f64 * turned(&w)) as usize).min(SECTORS - 1)
-    });
-    chi_squared(&probabilities, cells);
+/// Every law, by a reference that is trusted; ∫ p dω = 1 to `integral` by quadrature.
+fn check_directions(
+    p: &dyn Technique<Point = Direction>,
+    reference: &dyn Technique<Point = Direction>,
+    coordinates: impl Fn(&Direction) -> [f64; 2],
+    integral: f64,
+) {
+    // Two each of χ² and Kolmogorov, one of the cells, and the integral, at 1e-5 each.
+    let options = Options::strict().integral(integral).false_alarms(6e-5);
+    let report = mis::check::technique(p, reference, coordinates, &options);
+    assert!(report.passed(), "{report}");
+    assert!(report.get(Law::Integral).unwrap().allowed() <= integral, "{report}");
 }
 
-fn rings(width: f64, quantile: impl Fn(f64) -> f64) -> Vec<f64> {
-    (0..=16).map(|k| if k == 16 { width } else { quantile(f64::from(k) / 16.0) }).collect()
+/// Uniform per steradian on the cap 1 - cos α ≤ `width` about `axis`.
+struct Cap {
+    axis: Direction,
+    width: f64,
+}
+
+impl Cap {
+    /// The canonical numbers of a direction.
+    fn coordinates(&self, w: &Direction) -> [f64; 2] {
+        let (s, t) = self.axis.vector().any_orthonormal_pair();
+        let turn = w.vector().dot(t).atan2(w.vector().dot(s)) / TAU;
+        [w.one_minus_cos(self.axis) / self.width, (turn + 1.0).fract()]
+    }
+}
+
+impl Technique for Cap {
+    type Point = Direction;
+
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn sample(&self, xi: &[f64]) -> Direction {
+        let q = self.width * canonical(xi, 0);
+        let (sin, cos) = (TAU * canonical(xi, 1)).sin_cos();
+        let (s, t) = self.axis.vector().any_orthonormal_pair();
+        let radius = (q * (2.0 - q)).sqrt();
+        Direction::new((1.0 - q) * self.axis.vector() + radius * (cos * s + sin * t)).unwrap()
+    }
+
+    fn pdf(&self, w: &Direction) -> f64 {
+        // The rim is as wide as a direction is exact.
+        let within = w.one_minus_cos(self.axis) <= self.width * (1.0 + 1e-9) + 1e-15;
+        if within { 1.0 / (TAU * self.width) } else { 0.0 }
+    }
+}
+
+fn check_cap(p: &dyn Technique<Point = Direction>, axis: Direction, width: f64) {
+    let cap = Cap { axis, width };
+    check_directions(p, &cap, |w| cap.coordinates(w), 1e-9);
 }
 
 #[test]
@@ -63,57 +74,67 @@ fn cones_are_uniform_per_steradian() {
         let sphere = Sphere::new(2.0 * axis.vector(), 2.0 * s).unwrap();
         let cone = sphere.seen_from(DVec3::ZERO).unwrap();
         let width = cone.solid_angle() / TAU;
-        check_rings(&cone, axis, &rings(width, |u| u * width), 100_000);
+        check_cap(&cone, axis, width);
     }
     let within = Sphere::new(axis.vector(), 2.0).unwrap().seen_from(DVec3::ZERO).unwrap();
-    check_rings(&within, axis, &rings(2.0, |u| 2.0 * u), 100_000);
+    check_cap(&within, axis, 2.0);
 }
 
 #[test]
 fn lobes_follow_their_pdf() {
     let axis = direction(0.6, -0.2, 0.3);
     let cosine = CosineHemisphere::new(axis);
-    check_rings(&cosine, axis, &rings(1.0, |u| 1.0 - (1.0 - u).sqrt()), 100_000);
+    check_cap(&cosine, axis, 1.0);
     for n in [0.0, 1.0, 30.0, 1e4, 1e8] {
         let lobe = PhongLobe::new(axis, n).unwrap();
-        let quantile = |u: f64| -((-u).ln_1p() / (n + 1.0)).exp_m1();
         // All but e^-60 of the mass, where the lobe ends nowhere.
         let end = if n < 60.0 { 1.0 } else { 60.0 / n };
-        check_rings(&lobe, axis, &rings(end, quantile), 100_000);
+        check_cap(&lobe, axis, end);
     }
 }
 
-/// Chi-squared over 8 × 8 equal cells of the rectangle at the height h, with cells' probabilities
-/// ∫ p h / (x² + y² + h²)^(3/2) dx dy.
-fn check_rectangle(p: &SphericalRectangle, x: [f64; 2], y: [f64; 2], h: f64) {
-    const CELLS: usize = 8;
-    let (dx, dy) = ((x[1] - x[0]) / CELLS as f64, (y[1] - y[0]) / CELLS as f64);
-    let rule = gauss(12);
-    let mut probabilities = Vec::new();
-    for i in 0..CELLS {
-        for j in 0..CELLS {
-            let mut mass = 0.0;
-            for &(u, wu) in &rule {
-                for &(v, wv) in &rule {
-                    let at = DVec3::new(x[0] + (i as f64 + u) * dx, y[0] + (j as f64 + v) * dy, h);
-                    let pdf = p.pdf(&Direction::new(at).unwrap());
-                    mass += wu * wv * dx * dy * pdf * h / at.length().powi(3);
-                }
-            }
-            probabilities.push(mass);
-        }
+/// Uniform per area of the rectangle at the height h; per steradian that is d³ / (h A).
+struct ByArea {
+    x: [f64; 2],
+    y: [f64; 2],
+    h: f64,
+}
+
+impl ByArea {
+    /// The canonical numbers of a direction.
+    fn coordinates(&self, w: &Direction) -> [f64; 2] {
+        let at = w.vector() * (self.h / w.vector().z);
+        let share = |x: f64, [a, b]: [f64; 2]| (x - a) / (b - a);
+        [share(at.x, self.x), share(at.y, self.y)]
     }
-    let total: f64 = probabilities.iter().sum();
-    assert!((total - 1.0).abs() < 1e-7, "{x:?} {y:?} {h}: ∫ p = {total}");
-    let cell = |at: f64, low: f64, width: f64| (((at - low) / width) as usize).min(CELLS - 1);
-    let xis = canonical_numbers(12, 200_000);
-    let cells = xis.chunks_exact(2).map(|xi| {
-        let w = p.sample(xi);
-        assert!(p.pdf(&w) > 0.0);
-        let at = w.vector() * (h / w.vector().z);
-        cell(at.x, x[0], dx) * CELLS + cell(at.y, y[0], dy)
-    });
-    chi_squared(&probabilities, cells);
+}
+
+impl Technique for ByArea {
+    type Point = Direction;
+
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn sample(&self, xi: &[f64]) -> Direction {
+        let at = |u: f64, [a, b]: [f64; 2]| a + u * (b - a);
+        let (x, y) = (at(canonical(xi, 0), self.x), at(canonical(xi, 1), self.y));
+        Direction::new(DVec3::new(x, y, self.h)).unwrap()
+    }
+
+    fn pdf(&self, w: &Direction) -> f64 {
+        // The rim is as wide as a direction is exact.
+        if !self.coordinates(w).iter().all(|u| (-1e-9..=1.0 + 1e-9).contains(u)) {
+            return 0.0;
+        }
+        let area = (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]);
+        (self.h / w.vector().z).powi(3) / (self.h * area)
+    }
+}
+
+fn check_rectangle(p: &SphericalRectangle, x: [f64; 2], y: [f64; 2], h: f64) {
+    let by_area = ByArea { x, y, h };
+    check_directions(p, &by_area, |w| by_area.coordinates(w), 1e-7);
 }
 
 #[test]
