@@ -169,6 +169,9 @@ fn a_level_that_is_none() {
         [(0.0, "0.0"), (1.0, "1.0"), (95.0, "95.0"), (-0.5, "-0.5"), (f64::NAN, "NaN")]
     {
         assert_names(estimate.interval(level), "Estimate::interval", "level", value);
+        assert_names(estimate.interval_t(level), "Estimate::interval_t", "level", value);
+        let within = estimate.interval_within(level, [-1e9, 1e9]);
+        assert_names(within, "Estimate::interval_within", "level", value);
     }
     assert!(estimate.interval(1.0 - 1e-16).is_ok());
     let constant = MultiSample::new(&[(&p, 10)]).unwrap().estimate(&|_: &f64| 2.0, 1).unwrap();

@@ -268,7 +268,7 @@ fn shares_and_degrees_of_freedom_by_hand() {
     assert_eq!((shares[0].samples, shares[1].samples), (2, 3));
     // Welch and Satterthwaite: V² / (0.0025² / 1 + (0.28 / 3)² / 2) = 2.105565...
     let half = |level| {
-        let interval = estimate.interval(level).unwrap();
+        let interval = estimate.interval_t(level).unwrap();
         (interval.upper - interval.lower) / 2.0
     };
     close(half(0.95), 4.102_416_053_389_73 * v.sqrt());
@@ -287,7 +287,7 @@ fn shares_and_degrees_of_freedom_by_hand() {
     let shares: Vec<_> = estimate.techniques().collect();
     close(shares[0].share_of_value.unwrap(), 0.6 / 4.2);
     close(shares[0].share_of_variance.unwrap(), (squares[0] + squares[1]) / sum);
-    let interval = estimate.interval(0.95).unwrap();
+    let interval = estimate.interval_t(0.95).unwrap();
     close((interval.upper - interval.lower) / 2.0, 2.776_445_105_197_79 * (sum / 20.0).sqrt());
 }
 
