@@ -182,7 +182,7 @@ impl<V: Value> Estimate<V> {
         for (i, c) in self.techniques_drawn().flat_map(|i| (0..V::COMPONENTS).map(move |c| (i, c)))
         {
             let y = self.of(i, c).extreme.y;
-            if !(a <= y && y <= b) {
+            if self.count(i) > 0 && !(a <= y && y <= b) {
                 let rule = format!("technique {i} has the contribution {y}");
                 return Err(ArgumentError::new(OWNER, "bounds", bounds, rule));
             }
