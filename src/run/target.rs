@@ -9,7 +9,9 @@ use crate::integrand::Value;
 /// What a run is to reach: a tolerance, a number of samples, a time, or whichever of them comes
 /// first.
 ///
-/// Without any, a run draws the samples that the estimator was made with.
+/// Without any, a run draws the samples that the estimator was made with. With a tolerance alone, it
+/// may never end: where every contribution is 0, where the variance is infinite, and, if the
+/// tolerance is relative, where the integral is 0. Set a number of samples or a time as well.
 ///
 /// ```
 /// use mis::Target;
@@ -33,7 +35,8 @@ pub struct Target {
 /// What the tolerance of a [`Target`] bounds, where the integrand has several components.
 ///
 /// With e_c the half-width of the interval of component c and F_c its value, a tolerance is
-/// reached if
+/// reached if this holds. Components without any contribution that is not 0 are left out as long as
+/// another has one: they may be 0, or rare beyond the samples, and their error is unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Norm {
