@@ -7,6 +7,7 @@
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crc::{CRC_64_XZ, Crc};
 use serde::{Deserialize, Serialize};
@@ -157,10 +158,12 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A name in the same folder that no other process has.
+/// A name in the same folder that no other process has, nor another run of this one.
 fn beside(path: &Path) -> PathBuf {
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.tmp", std::process::id()));
+    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+    name.push(format!(".{}.{number}.tmp", std::process::id()));
     path.with_file_name(name)
 }
 
