@@ -29,6 +29,9 @@ use crate::points::PointSource;
 /// How many samples of each technique tell one run from another.
 const FIRST_SAMPLES: u64 = 16;
 
+/// The most sums of a tally, over all techniques: 400 MB for each chunk that is at work.
+const MOST_SUMS: usize = 1 << 24;
+
 pub(super) struct Driver<'a, P, F: ?Sized, E: ?Sized, S: ?Sized, O> {
     run: Run<'a>,
     job: Job<'a, P, F, E, S, O>,
@@ -124,6 +127,11 @@ where
     fn check(&self, merges: bool) -> Result<(), ArgumentError> {
         let Run { target, shard, checkpoint, .. } = &self.run;
         target.check(F::Value::COMPONENTS)?;
+        let (sums, techniques) = (self.job.observer.sums(), self.frame().shares.len());
+        if sums.checked_mul(techniques).is_none_or(|cells| cells > MOST_SUMS) {
+            let rule = "there may be 2^24 at most, over all techniques";
+            return Err(ArgumentError::new("Run::tally", "sums", sums, rule));
+        }
         let fixed = !target.has_tolerance() && target.limit_of_time().is_none();
         if shard.of > 1 && (!fixed || checkpoint.is_none() || merges) {
             let rule = "a shard needs a checkpoint and a fixed number of samples, without a \

@@ -265,7 +265,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     ///
-    /// As [`execute`](Run::execute).
+    /// As [`execute`](Run::execute); and `sums` may be at most 2²⁴ over the number of techniques.
     pub fn tally<P, F, E, S, O>(
         self,
         estimator: &E,
