@@ -34,9 +34,11 @@ pub(super) struct Identity {
     pub(super) components: usize,
     /// How many sums a tally has.
     pub(super) sums: usize,
-    /// Of the contributions of the first samples: what seed, techniques, weighting and integrand
-    /// come to.
+    /// Of the points, weights and contributions of the first samples: what seed, techniques,
+    /// weighting and integrand come to.
     pub(super) first_samples: u64,
+    /// Of what a tally makes of them.
+    pub(super) first_sums: u64,
     pub(super) label: String,
 }
 
@@ -60,6 +62,8 @@ impl Identity {
                  weighting, or build"
                     .into(),
             )
+        } else if self.first_sums != other.first_sums {
+            Some("its sums are of something else".into())
         } else {
             None
         }

@@ -15,7 +15,7 @@ use super::report::{Report, RoundSummary, Settings};
 use super::session::Session;
 use super::state::{Leaf, Round};
 use super::status::Stop;
-use super::tally::Cells;
+use super::tally::{Cells, Pending};
 use super::threads::Threads;
 use super::tree::Node;
 use super::worker::{Brake, Job, Observer, Outcome, caught};
@@ -150,13 +150,23 @@ where
     fn identity(&self, merges: bool) -> Identity {
         let Job { estimator, f, points, observer, .. } = &self.job;
         let mut words = Vec::new();
+        let mut cells = Cells::new(self.frame().shares.len(), observer.sums());
         if merges || self.run.checkpoint.is_some() {
+            let mut pending = Pending::default();
             let probed = caught(|| {
                 estimator.probe(*f, *points, FIRST_SAMPLES, |sample| {
                     words.push(sample.technique() as u64);
+                    // The contributions alone would not do: of a rare event, all are 0.
+                    words.extend(format!("{:?}", sample.x()).bytes().map(u64::from));
+                    words.push(sample.weight().to_bits());
                     let contributions =
                         (0..F::Value::COMPONENTS).map(|c| sample.contribution_to(c));
                     words.extend(contributions.map(f64::to_bits));
+                    if observer.sums() > 0 {
+                        cells.sample(sample.technique(), &mut pending, |tally| {
+                            observer.observe(sample, tally);
+                        });
+                    }
                 })
             });
             // A fault is as good a mark as a value.
@@ -172,6 +182,7 @@ where
             components: F::Value::COMPONENTS,
             sums: observer.sums(),
             first_samples: checkpoint::digest(words),
+            first_sums: checkpoint::digest(cells.words()),
             label: self.run.label.clone(),
         }
     }

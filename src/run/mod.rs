@@ -157,9 +157,10 @@ impl<'a> Run<'a> {
     ///
     /// It is saved at the end of every round, at the end, and every 30 seconds (see
     /// [`save_every`](Run::save_every)), whole or not at all. A file of another run is refused, not
-    /// overwritten: the estimator, the label, and the contributions of the first 16 samples of every
-    /// technique must be the same, which tells another seed, integrand, technique or weighting. An
-    /// integrand that differs elsewhere only cannot be told; give it another label.
+    /// overwritten: the estimator, the label, and of the first 16 samples of every technique the
+    /// points, weights, contributions, and what a tally makes of them must be the same, which tells
+    /// another seed, integrand, technique or weighting. An integrand or a tally that differs at other
+    /// points only, as one of a rare event may, cannot be told; give it another label.
     ///
     /// The target may be another: a tighter tolerance, or more samples, continue from the file as
     /// if they had been asked for from the start.

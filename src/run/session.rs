@@ -123,6 +123,7 @@ impl Session {
         let of = first.shard.of;
         // A run can be merged without what made its sums.
         self.identity.sums = first.identity.sums;
+        self.identity.first_sums = first.identity.first_sums;
         for (index, (path, saved)) in (0..).zip(&parts) {
             let found = saved.shard.index;
             saved.check(path, &self.identity, Shard { index: found, of })?;

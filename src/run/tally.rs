@@ -141,6 +141,12 @@ impl Cells {
         }
     }
 
+    /// What tells these from other sums of the same samples.
+    pub(super) fn words(&self) -> impl Iterator<Item = u64> {
+        let words = |cell: &Cell| [cell.count, cell.mean.to_bits(), cell.m2.to_bits()];
+        self.rows.iter().flat_map(words).chain([self.misplaced])
+    }
+
     pub(super) fn merge(&mut self, right: &Self) {
         for (left, right) in self.rows.iter_mut().zip(&right.rows) {
             *left = left.merge(*right);
