@@ -58,6 +58,14 @@ fn another_tally_is_told() {
 }
 
 #[test]
+fn more_threads_than_machines_have_are_refused() {
+    for threads in [0, 4097, usize::MAX] {
+        let message = Run::new(Target::new()).threads(threads).unwrap_err().to_string();
+        assert!(message.contains("at most 4096"), "{message}");
+    }
+}
+
+#[test]
 fn more_sums_than_there_is_room_for_are_refused() {
     let p = Uniform::new(0.0, 1.0).unwrap();
     let mis = MultiSample::new(&[(&p, 100), (&p, 100)]).unwrap();

@@ -127,10 +127,12 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     ///
-    /// There must be at least one.
+    /// There must be at least one, and at most 4096.
     pub fn threads(self, threads: usize) -> Result<Self, ArgumentError> {
-        if threads == 0 {
-            return Err(ArgumentError::new("Run", "threads", threads, "it must be at least 1"));
+        // Tens of thousands would bring the machine to a halt before the system refused one.
+        if !(1..=4096).contains(&threads) {
+            let rule = "it must be at least 1 and at most 4096";
+            return Err(ArgumentError::new("Run", "threads", threads, rule));
         }
         Ok(Self { threads: Some(threads), ..self })
     }
