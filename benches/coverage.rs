@@ -9,6 +9,7 @@
 
 #[path = "../tests/coverage/measure.rs"]
 mod measure;
+#[allow(dead_code)] // the tests use the rest
 #[path = "../tests/coverage/suite.rs"]
 mod suite;
 
@@ -28,7 +29,7 @@ fn main() {
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {
         match argument.as_str() {
-            "--seeds" => seeds = rest.next().and_then(|n| n.parse().ok()).expect("a number"),
+            "--seeds" => seeds = rest.next().unwrap().parse().unwrap(),
             name if !name.starts_with("--") => names.push(name),
             _ => {}
         }
@@ -98,8 +99,8 @@ selected by it: the skewness of the samples, which it goes by, is large together
 Where few runs pass, those are the ones that saw too little of the tail, and are low. Such figures
 say nothing about the intervals; those of all runs, and *silent*, do.
 
-*x and a hidden spike* is what no judgement can see: a tenth of 1000 samples' variance lies on a
-thousandth of the interval, and one run in three has no sample there.
+*x and a hidden spike* is what no judgement can see: more than half of the variance lies on a
+thousandth of the interval, and one run of 1000 samples in three has none there.
 ",
         version = env!("CARGO_PKG_VERSION"),
     )
@@ -108,10 +109,11 @@ thousandth of the interval, and one run in three has no sample there.
 fn tolerance_text() -> String {
     format!(
         "\
-Runs to a relative tolerance at 95 %, of at most {LIMIT} samples. The tolerance is such that rounds
-up to 4096 samples reach it half of the time, and it takes as many again to confirm it. *Within* is the
-share of the runs whose error is within the tolerance, at least 0.95 of those that converged; next the
-share of 95 % intervals that hold the integral among those, and the mean number of samples.
+Runs to a relative tolerance at 95 %, of at most {LIMIT} samples. The tolerance is one that about
+4096 samples reach, and as many again confirm. *Within* is the share of the runs whose error is within
+the tolerance: of those that converged, which must be at least 0.95, and of all that are not suspect.
+Then come the share of the 95 % intervals of converged runs that hold the integral, and the mean
+number of samples.
 "
     )
 }

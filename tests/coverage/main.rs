@@ -8,4 +8,5 @@ mod ensemble;
 mod estimates;
 mod measure;
 mod runs;
+#[allow(dead_code)] // the bench of the same name uses the rest
 mod suite;

@@ -137,10 +137,8 @@ impl Cell {
         self.runs += other.runs;
         self.samples += other.samples;
         self.verdicts.iter_mut().zip(other.verdicts).for_each(|(a, b)| *a += b);
-        self.components.resize_with(
-            other.components.len().max(self.components.len()),
-            Component::default,
-        );
+        self.components
+            .resize_with(other.components.len().max(self.components.len()), Component::default);
         for (a, b) in self.components.iter_mut().zip(&other.components) {
             for l in 0..3 {
                 a.all[l].merge(b.all[l]);
