@@ -12,6 +12,11 @@ use super::suite::{Row, Verdict, suite};
 const MOST: f64 = 0.95;
 
 /// What runs of a fixed number of samples have against their intervals and judgement.
+///
+/// Where at least 95 % are not suspect, the intervals of these must hold their level. Where fewer
+/// are, nothing is asked of these alone, since the judgement has selected them together with their
+/// errors; the intervals of all runs must hold their level, or at most 5 % not be suspect. In either
+/// case, at most 6 % of all runs may miss and not be suspect.
 fn against_fixed(row: &Row, cell: &Cell) -> Vec<String> {
     let mut against = Vec::new();
     let sound = cell.sound();
