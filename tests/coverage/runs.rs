@@ -39,7 +39,8 @@ fn against_fixed(row: &Row, cell: &Cell) -> Vec<String> {
     against
 }
 
-/// What runs to a tolerance have against them.
+/// What runs to a tolerance have against them: of those that converged, too few are within it, or,
+/// where nearly all converged, hold their level.
 fn against_tolerance(row: &Row, cell: &Cell) -> Vec<String> {
     let mut against = Vec::new();
     let converged = cell.verdict(Verdict::Converged);
@@ -64,12 +65,12 @@ fn check(rows: &[Row], budgets: &[u64], seeds: u64, to_tolerances: bool) {
             failures.extend(against.into_iter().map(|against| format!("{name}: {against}")));
         };
         for n in budgets {
-            // See below.
+            // Of the hidden spike, see below.
             if !row.hidden || *n > 1000 {
                 report(format!("{n} samples"), against_fixed(row, &fixed(row, *n, seeds)));
             }
         }
-        if to_tolerances {
+        if to_tolerances && !row.hidden {
             let tolerance = tolerance(row);
             let cell = to_tolerance(row, tolerance, seeds);
             report(format!("to {tolerance}"), against_tolerance(row, &cell));
@@ -100,8 +101,8 @@ fn runs_hold_their_level_or_are_suspect_with_full_ensembles() {
     check(&suite(), &[1000, 10_000], 10_000, true);
 }
 
-/// What no sample has met, no judgement can see: the spike is missed by (1 - 1/1000)^1000 = 0.368
-/// of the runs of 1000 samples, which are not suspect, and hold too rarely.
+/// What no sample has met, no judgement can see: (1 - 1/1000)^1000 = 0.368 of the runs of 1000
+/// samples miss the spike; they are not suspect, and hold too rarely.
 #[test]
 fn a_spike_that_no_sample_has_met_goes_unseen() {
     let row = suite().into_iter().find(|row| row.hidden).unwrap();
@@ -111,4 +112,17 @@ fn a_spike_that_no_sample_has_met_goes_unseen() {
     assert!(cell.components[0].sound[1].is_below(BAND[0]));
     // With ten samples there, it is seen.
     assert_eq!(fixed(&row, 10_000, 50).sound().hits, 0);
+}
+
+/// Of the runs to a tolerance that converge on it, too many are wrong; but few converge.
+#[test]
+#[ignore = "seconds in release"]
+fn few_runs_converge_on_a_spike_that_they_have_not_met() {
+    let row = suite().into_iter().find(|row| row.hidden).unwrap();
+    let cell = to_tolerance(&row, tolerance(&row), 10_000);
+    let within = cell.components[0].within_of_converged;
+    assert!(within.is_below(MOST), "{within:?}: no longer too many");
+    let wrong = (within.of - within.hits) as f64 / cell.runs as f64;
+    println!("{wrong} of the runs converge on a wrong value");
+    assert!(wrong < 0.01, "{wrong}");
 }
