@@ -11,7 +11,8 @@ use super::suite::{Outcome, Row, Verdict};
 pub(crate) const BAND: [f64; 2] = [0.94, 0.96];
 
 /// How many standard deviations of a share count as noise. A share that is truly at the bound is
-/// beyond it once in 740; coverage that is truly 95 % leaves the band and the noise once in 10¹².
+/// beyond it once in 740. Coverage that is truly 95 % leaves band and noise once in 10¹² at 10⁴
+/// runs, and once in 10⁴ at 200.
 pub(crate) const NOISE: f64 = 3.0;
 
 /// The most samples of a run to a tolerance.
