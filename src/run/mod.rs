@@ -48,8 +48,7 @@
 //! - κ, the skewness of the value, [`Estimate::kappa`](crate::Estimate::kappa), greater than
 //!   0.07 (1 - 2 k̂): too few samples for such contributions. (Of a confirming round, 0.1.)
 //! - k̂, the shape of the tail, [`Report::k_hat`], at 1/2 or above: the variance may be infinite. (Of a
-//!   confirming round, above 0.7.) Above 0.7 with κ ≤ 0.02, it is disregarded: a tail so heavy would
-//!   make κ large, and what looks like one is a gap between clusters of contributions.
+//!   confirming round, above 0.7.)
 //! - Fewer than 30 contributions that are not 0, of a technique that matters or of all.
 //! - Samples that do not agree with the pdfs, [`Report::density_scores`].
 //!
