@@ -19,7 +19,7 @@ impl<V: Value> Display for Report<V> {
             writeln!(f, "  {}", self.status)?;
         }
         if let Some(error) = &self.checkpoint_error {
-            writeln!(f, "  not saved: {error}")?;
+            writeln!(f, "  a checkpoint failed: {error}")?;
         }
         for c in 0..V::COMPONENTS {
             let name = if V::COMPONENTS == 1 { String::new() } else { format!(", component {c}") };

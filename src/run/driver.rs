@@ -19,7 +19,7 @@ use super::threads::Threads;
 use super::worker::{Brake, Job, Observer, Outcome, caught};
 use super::{Run, tally};
 use crate::error::ArgumentError;
-use crate::estimator::{Estimator, Evidence, Frame};
+use crate::estimator::{Estimator, Evidence, Frame, OnFault};
 use crate::integrand::{Integrand, Value};
 use crate::part::{Counts, Part};
 use crate::points::PointSource;
@@ -93,7 +93,10 @@ where
             save_error: None,
         };
         match files {
-            Some(files) => self.gather(files, &mut session)?,
+            Some(files) => {
+                self.check_place(&session.identity)?;
+                self.gather(files, &mut session)?;
+            }
             None => self.load(&mut session)?,
         }
         session.loaded = self.samples(&session.rounds);
@@ -106,7 +109,7 @@ where
         let mut all: Option<Leaf> = None;
         let mut number = 0;
         let (stop, fault, confirming) = loop {
-            let span = Span::new(number, self.limit, self.frame().shares.len());
+            let span = self.span(number);
             if span.chunks() == 0 {
                 break (Stop::Samples, None, None);
             }
@@ -121,9 +124,9 @@ where
                     break (Stop::Cancelled, None, None);
                 }
                 Outcome::Interrupted => break (Stop::Time, None, None),
-                Outcome::Done => {}
+                Outcome::Done | Outcome::Loaded => {}
             }
-            if let Some(fault) = all.as_ref().and_then(|all| self.too_many_faults(all)) {
+            if let Some(fault) = all.as_ref().and_then(|all| self.hopeless(all)) {
                 break (Stop::Fault, Some(fault), None);
             }
             let (Some(own), Some(all)) = (own, &all) else {
@@ -137,23 +140,39 @@ where
                 }
                 passed = self.holds(&self.judged(all.clone()), Gate::NearNormal, MARGIN);
             }
-            self.watch(&mut session, number, all, &brake);
-            if let Some(path) = &self.run.checkpoint
-                && span.end < self.limit
-            {
-                session.save_error = checkpoint::save(path, &self.saved(&session)).err();
-                session.last_save = Instant::now();
+            // What an earlier session has drawn was shown and saved by it.
+            if matches!(outcome, Outcome::Done) {
+                self.watch(&mut session, number, all, &brake);
+                if let Some(path) = &self.run.checkpoint
+                    && span.end < self.limit
+                {
+                    session.note(checkpoint::save(path, &self.saved(&session)));
+                }
             }
             number += 1;
         };
+        let (stop, fault) = match all.as_ref().and_then(|all| self.too_many_faults(all, stop)) {
+            Some(too_many) if fault.is_none() => (Stop::Fault, Some(too_many)),
+            _ => (stop, fault),
+        };
 
-        let end =
-            self.run.checkpoint.as_ref().map(|path| checkpoint::save(path, &self.saved(&session)));
+        let end = match &self.run.checkpoint {
+            Some(path) => checkpoint::save(path, &self.saved(&session)),
+            None => Ok(()),
+        };
+        // Where an earlier session went further, that is in the file, but not in this report.
+        session.rounds.truncate(usize::try_from(number).unwrap_or(usize::MAX).saturating_add(1));
+        let fault = match (fault, end) {
+            (None, Err(error)) => Some(error.into()),
+            (fault, end) => {
+                session.note(end);
+                fault
+            }
+        };
         let report = self.report(&mut session, stop, confirming, all);
-        match (fault, end) {
-            (Some(fault), _) => Err(RunError::new(fault, Some(report))),
-            (None, Some(Err(error))) => Err(RunError::new(error, Some(report))),
-            _ => Ok(report),
+        match fault {
+            Some(fault) => Err(RunError::new(fault, (report.samples > 0).then_some(report))),
+            None => Ok(report),
         }
     }
 
@@ -222,7 +241,20 @@ where
             return Err(CheckpointError::OtherRun { path: path.clone(), difference });
         }
         session.rounds = saved.rounds;
-        self.check_rounds(path, self.run.shard, session)
+        self.check_rounds(path, self.run.shard, &mut session.rounds)
+    }
+
+    /// # Errors
+    ///
+    /// Where shards that are merged are to be saved, there is a file already, and it is of
+    /// something else.
+    fn check_place(&self, identity: &Identity) -> Result<(), CheckpointError> {
+        let Some(path) = &self.run.checkpoint else { return Ok(()) };
+        let Some(saved) = checkpoint::load(path)? else { return Ok(()) };
+        // Only the file knows of sums before the shards are read.
+        let identity = Identity { sums: saved.identity.sums, ..identity.clone() };
+        saved.check(path, &identity, self.run.shard)?;
+        self.check_rounds(path, self.run.shard, &mut saved.rounds.clone())
     }
 
     /// Fits the rounds that were loaded to this run.
@@ -234,11 +266,10 @@ where
         &self,
         path: &Path,
         shard: Shard,
-        session: &mut Session,
+        rounds: &mut [Round],
     ) -> Result<(), CheckpointError> {
-        let techniques = self.frame().shares.len();
-        for (number, round) in (0..).zip(&mut session.rounds) {
-            let span = Span::new(number, self.limit, techniques);
+        for (number, round) in (0..).zip(rounds) {
+            let span = self.span(number);
             round.fit(&span);
             let share = span.share(shard.index, shard.of);
             let fits = match round.done() {
@@ -294,11 +325,10 @@ where
         if (parts.len() as u64) < of {
             return Err(shards(format!("shard {} of {of} is missing", parts.len())));
         }
-        let techniques = self.frame().shares.len();
         for (path, saved) in parts {
             let Saved { shard, rounds, .. } = saved;
             for number in 0.. {
-                let span = Span::new(number, limit, techniques);
+                let span = self.span(number);
                 if span.chunks() == 0 {
                     break;
                 }
@@ -350,10 +380,11 @@ where
         let done = session.rounds.get(place).and_then(Round::done).filter(|done| !done.is_empty());
         let todo = done.map_or(share.start, |done| done.end)..share.end;
         if todo.is_empty() {
-            return Outcome::Done;
+            return Outcome::Loaded;
         }
         // Out of the session while the threads have it.
         let mut round = session.rounds.get_mut(place).map(std::mem::take).unwrap_or_default();
+        let before = self.samples(&session.rounds);
         let Self { run, job, limit, .. } = self;
         let mut tick = |round: &Round| {
             let now = Instant::now();
@@ -366,8 +397,7 @@ where
                 }
                 let identity = session.identity.clone();
                 let saved = Saved { identity, shard: run.shard, limit: *limit, rounds };
-                session.save_error = checkpoint::save(path, &saved).err();
-                session.last_save = Instant::now();
+                session.note(checkpoint::save(path, &saved));
             }
             if let Some((interval, watcher)) = &mut run.watcher
                 && now.duration_since(session.last_watch) >= *interval
@@ -377,8 +407,9 @@ where
                 let all = earlier.chain(round.total()).reduce(|all, leaf| all.merge(&leaf));
                 if let Some(all) = all {
                     let frame = job.estimator.frame();
+                    let samples = (before + round.samples(span), *limit);
                     let seen =
-                        progress::<F::Value>(&frame, &run.target, *limit, number, all, session);
+                        progress::<F::Value>(&frame, &run.target, samples, number, all, session);
                     if watcher(&seen) == ControlFlow::Break(()) {
                         brake.pull();
                     }
@@ -393,26 +424,39 @@ where
     }
 
     fn watch(&mut self, session: &mut Session, number: u32, all: &Leaf, brake: &Brake<'_>) {
+        let samples = (self.samples(&session.rounds), self.limit);
         let Some((_, watcher)) = &mut self.run.watcher else { return };
         session.last_watch = Instant::now();
         let frame = self.job.estimator.frame();
-        let seen = progress::<F::Value>(
-            &frame,
-            &self.run.target,
-            self.limit,
-            number,
-            all.clone(),
-            session,
-        );
+        let seen =
+            progress::<F::Value>(&frame, &self.run.target, samples, number, all.clone(), session);
         if watcher(&seen) == ControlFlow::Break(()) {
             brake.pull();
         }
     }
 
-    fn too_many_faults(&self, all: &Leaf) -> Option<RunFault> {
-        let Counts { samples, .. } = all.node.part.all();
-        let faults = all.node.part.all().faults();
-        self.frame().on_fault.check(faults, samples).err().map(RunFault::from)
+    /// Whether there are so many faults that there is no use in going on: more than all samples
+    /// of the run may have, or more by far than these may have.
+    fn hopeless(&self, all: &Leaf) -> Option<RunFault> {
+        let counts = all.node.part.all();
+        let OnFault::CountAsZero { at_most } = self.frame().on_fault else { return None };
+        let expected = at_most * counts.samples as f64;
+        // Ten more than five standard deviations: by chance in less than 1e-6 of runs.
+        let far = counts.faults() as f64 > expected + 5.0 * expected.sqrt() + 10.0;
+        let hopeless = far || counts.faults() as f64 > at_most * self.limit as f64;
+        hopeless.then(|| self.faults_in(counts)).flatten()
+    }
+
+    /// Whether there are too many faults in a run that is over. A shard is only a part of one.
+    fn too_many_faults(&self, all: &Leaf, stop: Stop) -> Option<RunFault> {
+        let over = matches!(stop, Stop::Tolerance | Stop::Samples | Stop::Time);
+        let whole = over && self.run.shard.of == 1;
+        whole.then(|| self.faults_in(all.node.part.all())).flatten()
+    }
+
+    fn faults_in(&self, counts: Counts) -> Option<RunFault> {
+        let Counts { samples, .. } = counts;
+        self.frame().on_fault.check(counts.faults(), samples).err().map(RunFault::from)
     }
 
     fn judged(&self, leaf: Leaf) -> Judged<F::Value> {
@@ -425,9 +469,13 @@ where
             && judged.doubts(&self.frame(), target, gate).is_empty()
     }
 
+    fn span(&self, number: u32) -> Span {
+        Span::new(number, self.limit, self.frame().shares.len())
+    }
+
+    /// By their numbers, of which a technique's share may leave out one.
     fn samples(&self, rounds: &[Round]) -> u64 {
-        let totals = rounds.iter().filter_map(Round::total);
-        totals.map(|leaf| leaf.node.part.all().samples).sum()
+        (0..).zip(rounds).map(|(number, round)| round.samples(&self.span(number))).sum()
     }
 
     fn report(
@@ -439,7 +487,7 @@ where
     ) -> Report<F::Value> {
         let frame = self.frame();
         let all = all.unwrap_or_else(|| self.nothing());
-        let samples = all.node.part.all().samples;
+        let samples = self.samples(&session.rounds);
         let mut cumulative: Option<Leaf> = None;
         let mut rounds = Vec::new();
         let mut last = None;
@@ -508,17 +556,23 @@ where
     }
 }
 
-/// How far a run has come that has drawn `all`.
+impl Session {
+    fn note(&mut self, saved: Result<(), CheckpointError>) {
+        self.save_error = saved.err().or(self.save_error.take());
+        self.last_save = Instant::now();
+    }
+}
+
+/// How far a run has come that has drawn `all`, so many samples of so many.
 fn progress<V: Value>(
     frame: &Frame<'_>,
     target: &Target,
-    limit: u64,
+    (samples, limit): (u64, u64),
     round: u32,
     all: Leaf,
     session: &Session,
 ) -> Progress {
     let estimate = Judged::<V>::new(frame, all).estimate;
-    let samples = estimate.samples();
     let elapsed = session.began.elapsed();
     let rate = samples.saturating_sub(session.loaded) as f64 / elapsed.as_secs_f64().max(1e-9);
     let excess = target.has_tolerance().then(|| target.excess(&estimate));

@@ -18,6 +18,10 @@ const MATTERS: f64 = 0.01;
 /// Beyond this standard score, samples and pdfs do not agree: 1e-5 of sound runs are.
 const DENSITY: f64 = 4.42;
 
+/// How closely a pdf that is in order integrates to 1. Without it, densities that are proportional
+/// to each other, whose ratio does not vary, would be held to the last digit.
+const NORMALISED: f64 = 1e-9;
+
 /// An estimate with the evidence on it.
 #[derive(Debug, Clone)]
 pub(super) struct Judged<V> {
@@ -71,9 +75,9 @@ impl<V: Value> Judged<V> {
         column.filter_map(|(i, k)| k.map(|k| (i, k))).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Whether any component has a contribution that is not 0.
-    pub(super) fn has_signal(&self) -> bool {
-        self.contributions.iter().any(|n| *n > 0)
+    /// Whether a component that the target counts has a contribution that is not 0.
+    fn has_signal(&self, target: &Target) -> bool {
+        (0..V::COMPONENTS).any(|c| target.counts(c) && self.estimate.has_signal(c))
     }
 
     /// What speaks against the value or its error, in the components that the target counts.
@@ -126,7 +130,7 @@ impl<V: Value> Judged<V> {
     pub(super) fn status(&self, frame: &Frame<'_>, target: &Target, stop: Stop) -> Status {
         let gate = if stop == Stop::Tolerance { Gate::Confirming } else { Gate::NearNormal };
         let samples = self.estimate.samples();
-        if samples > 0 && !self.has_signal() {
+        if samples > 0 && !self.has_signal(target) {
             return Status::NoSignal { at_most: (3.0 / samples as f64).min(1.0) };
         }
         let doubts = self.doubts(frame, target, gate);
@@ -181,8 +185,8 @@ fn density_scores(frame: &Frame<'_>, leaf: &Leaf) -> Vec<Option<f64>> {
             mean = sum / all;
             variance = (squares - sum * sum / all) / (all - 1.0) / all;
         }
-        let z = mean / variance.sqrt();
-        (variance > 0.0 && z.is_finite()).then_some(z)
+        let z = mean / (variance.max(0.0) + NORMALISED * NORMALISED).sqrt();
+        ((mean != 0.0 || variance > 0.0) && z.is_finite()).then_some(z)
     };
     (0..techniques).map(one).collect()
 }

@@ -7,8 +7,8 @@ use std::time::Duration;
 
 /// Stops a run from another thread.
 ///
-/// Clones are one and the same switch. No sample is begun after it is thrown; those that are being
-/// evaluated are waited for.
+/// Clones are one and the same switch. Samples are drawn in blocks, of up to 512 of one technique;
+/// no block is begun after it is thrown, and those that are being evaluated are waited for.
 #[derive(Debug, Clone, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 

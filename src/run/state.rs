@@ -61,6 +61,11 @@ impl Round {
         }
     }
 
+    /// How many samples its chunks stand for.
+    pub(super) fn samples(&self, span: &Span) -> u64 {
+        self.done().map_or(0, |chunks| span.samples_of(&chunks))
+    }
+
     /// Adds the chunks of another part of the round, which lie behind these.
     pub(super) fn append(&mut self, right: Self) {
         self.tree.append(right.tree);

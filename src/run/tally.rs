@@ -149,7 +149,8 @@ impl Cells {
                 let n = cell.count as f64;
                 let known = added > 0 && all > 1;
                 let standard_error = known.then(|| (cell.m2 / (n - 1.0) / n).sqrt());
-                return Tallied { value: cell.mean, standard_error, samples: added };
+                let value = if all > 0 { cell.mean } else { f64::NAN };
+                return Tallied { value, standard_error, samples: added };
             }
             let (mut value, mut variance, mut known) = (0.0, 0.0, added > 0);
             for ((cell, alpha), counts) in column.zip(frame.shares).zip(&part.counts) {
@@ -157,7 +158,8 @@ impl Cells {
                     let cell = cell.of_all(counts.samples);
                     let n = cell.count as f64;
                     known &= cell.count > 1;
-                    value += alpha * cell.mean;
+                    // Without a sample, the technique's part is missing.
+                    value += if n > 0.0 { alpha * cell.mean } else { f64::NAN };
                     variance += alpha * alpha * cell.m2 / (n - 1.0) / n;
                 }
             }

@@ -129,7 +129,8 @@ impl Target {
 
     /// At most this much time, by the clock on the wall, since the run or its continuation began.
     ///
-    /// No sample is begun after that; those that are being evaluated are waited for. How far a run
+    /// No block of samples, up to 512 of one technique, is begun after that; those that are being
+    /// evaluated are waited for. How far a run
     /// comes depends on the machine; its report says how many samples it took, and a run of that
     /// many gives the same bits.
     #[must_use]

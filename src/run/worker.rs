@@ -116,6 +116,8 @@ impl<P, F: Integrand<P> + ?Sized> Integrand<P> for Braked<'_, F> {
 /// How the work on a round ended.
 #[derive(Debug)]
 pub(super) enum Outcome {
+    /// All its chunks were there before.
+    Loaded,
     Done,
     Interrupted,
     /// The lowest chunk that failed.
