@@ -5,3 +5,6 @@
 mod bits;
 mod common;
 mod interruption;
+mod kill;
+mod schedules;
+mod shards;
