@@ -4,7 +4,9 @@
 
 mod bits;
 mod common;
+mod faults;
 mod interruption;
+mod judgement;
 mod kill;
 mod schedules;
 mod shards;
