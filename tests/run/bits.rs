@@ -48,7 +48,9 @@ fn golden_values() {
     let run = Run::new(Target::new().samples(20_000).unwrap());
     let points = mis::points::Random::new(1);
     let report: Report = run
-        .tally(&mis, &f, &points, 1, |sample, tally| tally.add(0, sample.x() * sample.contribution()))
+        .tally(&mis, &f, &points, 1, |sample, tally| {
+            tally.add(0, sample.x() * sample.contribution())
+        })
         .unwrap();
     let found = [
         report.value(),

@@ -24,8 +24,11 @@ fn schedule() -> impl Strategy<Value = Schedule> {
     let session = (1..9_usize, 1..2500_u64, prop_oneof![Just(0), 1..2000_u64, Just(u64::MAX)]);
     let sessions = prop::collection::vec(session, 1..5);
     let shards = prop::collection::vec(sessions, 1..5);
-    (0..7_usize, shards, any::<u64>())
-        .prop_map(|(case, shards, order)| Schedule { case, shards, order })
+    (0..7_usize, shards, any::<u64>()).prop_map(|(case, shards, order)| Schedule {
+        case,
+        shards,
+        order,
+    })
 }
 
 fn session(case: &Case, run: Run<'_>, (threads, evaluations, every): Session) -> Outcome {

@@ -81,7 +81,11 @@ fn interrupted_and_continued_shards() {
                 }
                 let [a, b] = [0, 1].map(|k| folder.file(&format!("{k}")));
                 let files = [a, b, path.clone()];
-                assert!(case.merge(case.run(), &files[2 - usize::try_from(index).unwrap()..]).error.is_some());
+                assert!(
+                    case.merge(case.run(), &files[2 - usize::try_from(index).unwrap()..])
+                        .error
+                        .is_some()
+                );
             }
             assert!(sessions > 3);
             path
@@ -109,7 +113,10 @@ fn a_merged_run_goes_on() {
         assert_eq!(outcome, case.go(Run::new(more)));
         // Merging again would throw samples away.
         let error = case.merge(case.run().checkpoint(&place), &files).error.unwrap();
-        assert!(error.contains("it holds more of round 1 than") || error.contains("of round 2"), "{error}");
+        assert!(
+            error.contains("it holds more of round 1 than") || error.contains("of round 2"),
+            "{error}"
+        );
         assert_eq!(case.go(Run::new(more).checkpoint(&place)), outcome);
     }
 }
@@ -155,7 +162,11 @@ fn shards_that_do_not_make_up_a_run_are_named() {
     let started = {
         let mut first = true;
         let watcher = move |_: &mis::Progress| {
-            let flow = if first { std::ops::ControlFlow::Continue(()) } else { std::ops::ControlFlow::Break(()) };
+            let flow = if first {
+                std::ops::ControlFlow::Continue(())
+            } else {
+                std::ops::ControlFlow::Break(())
+            };
             first = false;
             flow
         };
