@@ -151,3 +151,30 @@ fn short(x: f64) -> String {
     let text = format!("{x:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{chi_squared, or_dash, short};
+
+    #[test]
+    fn numbers_without_digits_that_are_not_there() {
+        for (x, text) in [(95.0, "95"), (68.27, "68.27"), (100.0, "100"), (99.9999, "99.9999")] {
+            assert_eq!(short(x), text);
+        }
+        assert_eq!(
+            (or_dash(Some(1.256), 2, " %").as_str(), or_dash(None, 2, "")),
+            ("1.26 %", "-".into())
+        );
+        assert_eq!(or_dash(Some(f64::NAN), 2, ""), "-");
+    }
+
+    #[test]
+    fn chi_squared_over_the_degrees_of_freedom() {
+        // (1/0.5)² + (3/1)² + 0, over 2.
+        let rounds = [(11.0, Some(0.5)), (7.0, Some(1.0)), (10.0, Some(2.0))];
+        assert_eq!(chi_squared(&rounds, 10.0), "6.50");
+        assert_eq!(chi_squared(&rounds[..1], 10.0), "-");
+        assert_eq!(chi_squared(&[(1.0, None), (2.0, Some(1.0))], 1.0), "-");
+        assert_eq!(chi_squared(&[], 1.0), "-");
+    }
+}

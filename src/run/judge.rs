@@ -195,7 +195,60 @@ fn density_scores(frame: &Frame<'_>, leaf: &Leaf) -> Vec<Option<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::Gate;
+    use super::{Gate, density_scores};
+    use crate::estimator::{Design, Frame, OnFault};
+    use crate::part::{Counts, Part};
+    use crate::run::state::Leaf;
+    use crate::run::tally::Cells;
+    use crate::run::tree::Node;
+    use crate::weighting::Balance;
+
+    /// The scores of two techniques with the deviations d_0, d_1 at the samples of each.
+    fn scores(design: Design, shares: [f64; 2], d: [&[[f64; 2]]; 2]) -> Vec<Option<f64>> {
+        let sums = |i: usize, k: usize| {
+            let column = || d[i].iter().map(move |d: &[f64; 2]| d[k]);
+            [column().sum(), column().map(|d| d * d).sum()]
+        };
+        let densities = vec![sums(0, 0), sums(0, 1), sums(1, 0), sums(1, 1)];
+        let counts = d.map(|d| Counts { samples: d.len() as u64, ..Counts::default() }).to_vec();
+        let part = Part { contributions: Vec::new(), counts };
+        let node = Node { part, densities, cells: Cells::default() };
+        let on_fault = OnFault::Error;
+        let frame = Frame { design, shares: &shares, samples: 7, on_fault, weighting: &Balance };
+        density_scores(&frame, &Leaf { node, tails: Vec::new() })
+    }
+
+    #[test]
+    fn density_scores_by_hand() {
+        let d: [&[[f64; 2]]; 2] =
+            [&[[0.5, -0.25], [0.25, 0.0], [0.75, -0.5]], &[[-0.5, 0.5], [-1.0, 0.75]]];
+        let found = scores(Design::Stratified, [0.25, 0.75], d);
+        // Means 0.5 and -0.75, variances 1/16 and 1/8; -0.25 and 0.625, 1/16 and 1/32.
+        let first =
+            (0.125 - 0.5625) / (1.0 / 16.0 / 16.0 / 3.0 + 9.0 / 16.0 / 8.0 / 2.0_f64).sqrt();
+        let second = (-0.0625 + 0.75 * 0.625)
+            / (1.0 / 16.0 / 16.0 / 3.0 + 9.0 / 16.0 / 32.0 / 2.0_f64).sqrt();
+        for (found, expected) in found.iter().zip([first, second]) {
+            assert!((found.unwrap() / expected - 1.0).abs() < 1e-12, "{found:?} {expected}");
+        }
+        // All as one: mean 0, and mean 0.1 with Σ d² = 1.125.
+        let found = scores(Design::Pooled, [0.25, 0.75], d);
+        let second = 0.1 / ((1.125 - 0.05) / 4.0 / 5.0_f64).sqrt();
+        assert_eq!(found[0], Some(0.0));
+        assert!((found[1].unwrap() / second - 1.0).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn densities_whose_ratio_does_not_vary() {
+        let of = |d: f64| {
+            let d = [[d, 0.0]; 3];
+            scores(Design::Stratified, [0.5, 0.5], [&d, &d])
+        };
+        // Within rounding of each other, off by 1e-3, and the same.
+        assert!(of(3e-16)[0].unwrap().abs() < 1e-6);
+        assert!(of(-1e-3)[0].unwrap() < -1e5);
+        assert_eq!((of(0.0)[0], of(1.0)[1], of(f64::NAN)[0]), (None, None, None));
+    }
 
     #[test]
     fn the_bounds_of_the_gates() {

@@ -264,3 +264,37 @@ pub(super) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
         text.unwrap_or_else(|| "a panic without a message".into())
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Brake, Cancel, caught};
+    use std::time::{Duration, Instant};
+
+    #[test]
+    fn what_a_panic_says() {
+        assert_eq!(caught(|| 3), Ok(3));
+        // `resume_unwind` does not call the hook, which would print the panic.
+        let panics = |payload: Box<dyn std::any::Any + Send>| {
+            caught(|| std::panic::resume_unwind(payload)).map(|()| ()).unwrap_err()
+        };
+        assert_eq!(panics(Box::new("text")), "text");
+        assert_eq!(panics(Box::new(String::from("owned"))), "owned");
+        assert_eq!(panics(Box::new(3)), "a panic without a message");
+    }
+
+    #[test]
+    fn a_brake_is_applied_by_any_of_three() {
+        let hour = Duration::from_secs(3600);
+        let cancel = Cancel::new();
+        let brake = Brake::new(Some(&cancel), Some(Instant::now() + hour));
+        assert!(!brake.applies() && !brake.is_late() && !brake.is_cancelled());
+        cancel.cancel();
+        assert!(brake.applies() && brake.is_cancelled() && !brake.is_late());
+        let brake = Brake::new(None, Some(Instant::now()));
+        assert!(brake.applies() && brake.is_late() && !brake.is_cancelled());
+        let brake = Brake::new(None, None);
+        assert!(!brake.applies());
+        brake.pull();
+        assert!(brake.applies() && brake.is_cancelled());
+    }
+}
