@@ -133,6 +133,11 @@ where
                 number += 1;
                 continue;
             };
+            // What an earlier session has drawn was shown and saved by it.
+            let fresh = matches!(outcome, Outcome::Done);
+            if fresh {
+                self.watch(&mut session, number, all, &brake);
+            }
             if self.run.target.has_tolerance() {
                 let confirming = self.judged(own);
                 if passed && self.holds(&confirming, Gate::Confirming, 1.0) {
@@ -140,14 +145,11 @@ where
                 }
                 passed = self.holds(&self.judged(all.clone()), Gate::NearNormal, MARGIN);
             }
-            // What an earlier session has drawn was shown and saved by it.
-            if matches!(outcome, Outcome::Done) {
-                self.watch(&mut session, number, all, &brake);
-                if let Some(path) = &self.run.checkpoint
-                    && span.end < self.limit
-                {
-                    session.note(checkpoint::save(path, &self.saved(&session)));
-                }
+            if let Some(path) = &self.run.checkpoint
+                && fresh
+                && span.end < self.limit
+            {
+                session.note(checkpoint::save(path, &self.saved(&session)));
             }
             number += 1;
         };
@@ -386,14 +388,14 @@ where
         let mut round = session.rounds.get_mut(place).map(std::mem::take).unwrap_or_default();
         let before = self.samples(&session.rounds);
         let Self { run, job, limit, .. } = self;
-        let mut tick = |round: &Round| {
+        let mut tick = |round: &dyn Fn() -> Round| {
             let now = Instant::now();
             if let Some(path) = &run.checkpoint
                 && now.duration_since(session.last_save) >= run.save_every
             {
                 let mut rounds = session.rounds.clone();
                 if let Some(slot) = rounds.get_mut(place) {
-                    *slot = round.clone();
+                    *slot = round();
                 }
                 let identity = session.identity.clone();
                 let saved = Saved { identity, shard: run.shard, limit: *limit, rounds };
@@ -403,6 +405,7 @@ where
                 && now.duration_since(session.last_watch) >= *interval
             {
                 session.last_watch = now;
+                let round = round();
                 let earlier = session.rounds.iter().filter_map(Round::total);
                 let all = earlier.chain(round.total()).reduce(|all, leaf| all.merge(&leaf));
                 if let Some(all) = all {

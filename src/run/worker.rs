@@ -113,6 +113,9 @@ impl<P, F: Integrand<P> + ?Sized> Integrand<P> for Braked<'_, F> {
     }
 }
 
+/// What is to be done between chunks, given a way to have the round.
+pub(super) type Tick<'a> = dyn FnMut(&dyn Fn() -> Round) + 'a;
+
 /// How the work on a round ended.
 #[derive(Debug)]
 pub(super) enum Outcome {
@@ -143,7 +146,7 @@ where
     O: Observer<P, F::Value>,
 {
     /// Draws the chunks `todo` of a round, which follow those that are there. `tick` is called
-    /// by this thread between chunks.
+    /// by this thread between chunks, and can ask for the round as it is; the others work on.
     ///
     /// Chunks enter the round in their order, so that it holds all chunks up to some one at any
     /// time.
@@ -154,7 +157,7 @@ where
         round: &mut Round,
         threads: &Threads,
         brake: &Brake<'_>,
-        tick: &mut dyn FnMut(&Round),
+        tick: &mut Tick<'_>,
     ) -> Outcome {
         let end = todo.end;
         let next = AtomicU64::new(todo.start);
@@ -162,7 +165,7 @@ where
         let limit = AtomicU64::new(end);
         let shared = Shared { round, next: todo.start, early: BTreeMap::new(), failure: None };
         let shared = Mutex::new(shared);
-        let work = |tick: &mut dyn FnMut(&Round)| {
+        let work = |tick: &mut Tick<'_>| {
             let tails = self.estimator.frame().shares.len() * F::Value::COMPONENTS;
             let mut thresholds = vec![0.0; tails];
             loop {
@@ -171,17 +174,18 @@ where
                     return;
                 }
                 let drawn = self.chunk(span.chunk(index), &thresholds, brake);
-                let mut shared = lock(&shared);
+                let mut guard = lock(&shared);
                 match drawn {
                     Ok(None) => return,
-                    Ok(Some(leaf)) => shared.push(span, index, leaf),
+                    Ok(Some(leaf)) => guard.push(span, index, leaf),
                     Err(fault) => {
                         limit.fetch_min(index, Ordering::Relaxed);
-                        shared.fail(index, fault);
+                        guard.fail(index, fault);
                     }
                 }
-                shared.round.thresholds(&mut thresholds);
-                tick(shared.round);
+                guard.round.thresholds(&mut thresholds);
+                drop(guard);
+                tick(&|| lock(&shared).round.clone());
             }
         };
         threads.run(end - todo.start, &|| work(&mut |_| ()), || {

@@ -14,5 +14,6 @@ mod faults;
 mod interruption;
 mod judgement;
 mod kill;
+mod progress;
 mod schedules;
 mod shards;
