@@ -93,7 +93,7 @@ fn a_component_that_there_is_not_is_nan() {
     let mut contributions = 0.0;
     let estimate = mis
         .inspect(&|_: &f64| Greedy(2.0), &Random::new(1), |s| {
-            contributions += s.contribution()[0] / 10.0
+            contributions += s.contribution()[0] / 10.0;
         })
         .unwrap();
     assert!((contributions - 2.0).abs() < 1e-14);

@@ -114,7 +114,7 @@ where
                 break (Stop::Samples, None, None);
             }
             let outcome = self.round(number, &span, &threads, &brake, &mut session);
-            let own = self.round_at(&session, number).and_then(Round::total);
+            let own = session.round(number).and_then(Round::total);
             if let Some(own) = &own {
                 all = Some(all.map_or_else(|| own.clone(), |all: Leaf| all.merge(own)));
             }
@@ -361,10 +361,6 @@ where
         }
     }
 
-    fn round_at<'s>(&self, session: &'s Session, number: u32) -> Option<&'s Round> {
-        session.rounds.get(usize::try_from(number).unwrap_or(usize::MAX))
-    }
-
     /// Draws what is missing of a round.
     fn round(
         &mut self,
@@ -560,6 +556,10 @@ where
 }
 
 impl Session {
+    fn round(&self, number: u32) -> Option<&Round> {
+        self.rounds.get(usize::try_from(number).unwrap_or(usize::MAX))
+    }
+
     fn note(&mut self, saved: Result<(), CheckpointError>) {
         self.save_error = saved.err().or(self.save_error.take());
         self.last_save = Instant::now();

@@ -178,7 +178,9 @@ mod tests {
 
     fn cell(amounts: &[f64]) -> Cell {
         let mut cell = Cell::default();
-        amounts.iter().for_each(|amount| cell.push(*amount));
+        for amount in amounts {
+            cell.push(*amount);
+        }
         cell
     }
 
@@ -223,7 +225,9 @@ mod tests {
         ];
         for (technique, amounts) in samples {
             cells.sample(technique, &mut pending, |tally| {
-                amounts.iter().for_each(|(k, amount)| tally.add(*k, *amount));
+                for (k, amount) in amounts {
+                    tally.add(*k, *amount);
+                }
             });
         }
         cells
@@ -249,7 +253,7 @@ mod tests {
 
     #[test]
     fn sums_are_means_over_all_samples() {
-        let (a, b) = (plain(&[1.0, 0.75, 0.0]), plain(&[4.0, 0.0, 2.0]));
+        let [a, b] = [plain(&[1.0, 0.75, 0.0]), plain(&[4.0, 0.0, 2.0])];
         let sums = tallied(&cells(), Design::Stratified, [3, 3]);
         assert_eq!((sums[0].samples, sums[1].samples), (4, 2));
         assert!((sums[0].value - (0.25 * a.1 + 0.75 * b.1)).abs() < 1e-15);

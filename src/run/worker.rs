@@ -279,7 +279,7 @@ mod tests {
         assert_eq!(caught(|| 3), Ok(3));
         // `resume_unwind` does not call the hook, which would print the panic.
         let panics = |payload: Box<dyn std::any::Any + Send>| {
-            caught(|| std::panic::resume_unwind(payload)).map(|()| ()).unwrap_err()
+            caught::<()>(|| std::panic::resume_unwind(payload)).unwrap_err()
         };
         assert_eq!(panics(Box::new("text")), "text");
         assert_eq!(panics(Box::new(String::from("owned"))), "owned");

@@ -49,7 +49,7 @@ fn golden_values() {
     let points = mis::points::Random::new(1);
     let report: Report = run
         .tally(&mis, &f, &points, 1, |sample, tally| {
-            tally.add(0, sample.x() * sample.contribution())
+            tally.add(0, sample.x() * sample.contribution());
         })
         .unwrap();
     let found = [

@@ -252,15 +252,9 @@ where
 
 const SUMS: usize = 5;
 
-fn multi<U: mis::weighting::Weighting, F>(
-    name: &'static str,
-    target: Target,
-    weighting: U,
-    on_fault: OnFault,
-    f: F,
-) -> Case
+fn multi<U, F>(name: &'static str, target: Target, weighting: U, on_fault: OnFault, f: F) -> Case
 where
-    U: Clone + 'static,
+    U: mis::weighting::Weighting + Clone + 'static,
     F: Integrand<f64> + Sync + Clone + 'static,
 {
     fn estimator<'a, U: mis::weighting::Weighting>(
@@ -299,7 +293,7 @@ pub(crate) fn cases() -> Vec<Case> {
     vec![
         multi("multi-sample", Target::new().samples(2377).unwrap(), Balance, error, f),
         multi("vector, power", own, Power::squared(), error, vector),
-        multi("constant weights", own, Constant::new(&[0.5, 0.3, 0.2]).unwrap(), error, f),
+        multi("constant weights", own, Constant::new([0.5, 0.3, 0.2]).unwrap(), error, f),
         multi("faults as zero", own, Balance, zero, with_faults),
         multi("tolerance", tolerance, Balance, error, f),
         one_sample(),

@@ -52,7 +52,9 @@ fn after_every_chunk() {
     for case in cases() {
         let whole = case.whole();
         let mut earlier = 0;
-        for calls in 1.. {
+        // Three kinds do not differ in how they are driven.
+        let alike = ["vector, power", "constant weights", "faults as zero"].contains(&case.name);
+        for calls in (1..).step_by(if alike { 5 } else { 1 }) {
             let path = folder.file("run");
             let stopped = with_callbacks(&case, at(&path, &case), calls);
             assert_eq!(stopped.error, None);
@@ -164,15 +166,12 @@ fn more_samples_continue_as_if_they_had_been_asked_for() {
         let before = std::fs::read(&path).unwrap();
         let target = Target::new().samples(samples).unwrap();
         let outcome = case.go(Run::new(target).checkpoint(&path));
-        match outcome.error {
-            Some(error) => {
-                assert!(refused && error.contains("it holds more of round"), "{samples} {error}");
-                assert_eq!(std::fs::read(&path).unwrap(), before);
-            }
-            None => {
-                assert!(!refused);
-                assert_eq!(outcome, replay(case, samples), "{samples}");
-            }
+        if let Some(error) = outcome.error {
+            assert!(refused && error.contains("it holds more of round"), "{samples} {error}");
+            assert!(std::fs::read(&path).unwrap() == before);
+        } else {
+            assert!(!refused);
+            assert_eq!(outcome, replay(case, samples), "{samples}");
         }
     }
 }

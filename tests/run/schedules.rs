@@ -68,7 +68,7 @@ fn follows(cases: &[Case], schedule: &Schedule) {
     }
     if !whole_only {
         files.rotate_left(usize::try_from(schedule.order % of).unwrap());
-        if schedule.order % 2 == 0 {
+        if schedule.order.is_multiple_of(2) {
             files.reverse();
         }
         let merged = case.merge(case.run(), &files);
