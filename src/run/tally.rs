@@ -257,7 +257,7 @@ mod tests {
         let sums = tallied(&cells(), Design::Stratified, [3, 3]);
         assert_eq!((sums[0].samples, sums[1].samples), (4, 2));
         assert!((sums[0].value - (0.25 * a.1 + 0.75 * b.1)).abs() < 1e-15);
-        let variance = (0.0625 * a.2 + 0.5625 * b.2) / 2.0 / 3.0;
+        let variance = (0.0625 * a.2 + 0.5625 * b.2) / 6.0;
         assert!((sums[0].standard_error.unwrap() - variance.sqrt()).abs() < 1e-15);
         assert!((sums[1].value - 0.25 * 11.0 / 3.0).abs() < 1e-15);
 
