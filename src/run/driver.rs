@@ -153,9 +153,10 @@ where
             }
             number += 1;
         };
-        let (stop, fault) = match all.as_ref().and_then(|all| self.too_many_faults(all, stop)) {
-            Some(too_many) if fault.is_none() => (Stop::Fault, Some(too_many)),
-            _ => (stop, fault),
+        let too_many = all.as_ref().and_then(|all| self.too_many_faults(all, stop));
+        let (stop, fault, confirming) = match too_many {
+            Some(too_many) => (Stop::Fault, Some(too_many), None),
+            None => (stop, fault, confirming),
         };
 
         let end = match &self.run.checkpoint {

@@ -142,6 +142,13 @@ fn faults_that_count_as_zero() {
     // More than the whole run may have.
     let error = run(2000, 2).execute(&mis(0.0), &below(0.02), 1).unwrap_err();
     assert_eq!(error.report().unwrap().samples(), 1024);
+    // Too many, but not so many that the first rounds could tell.
+    let target = Target::new().relative(0.05).unwrap();
+    let error = Run::new(target).execute(&mis(0.3), &below(0.64), 1).unwrap_err();
+    let report = error.report().unwrap();
+    assert_eq!((report.stop(), report.samples()), (Stop::Fault, 2048));
+    assert_eq!(report.estimate().samples(), 2048);
+    assert!(Run::new(target).execute(&mis(0.4), &below(0.64), 1).is_ok());
     // A run that ends within a round.
     let target = Target::new().time(Duration::from_millis(200));
     let slow = |x: &f64| {
@@ -248,7 +255,7 @@ fn an_integrand_that_blocks_is_waited_for_and_no_more() {
             let limit = Duration::from_millis(1500);
             let began = std::time::Instant::now();
             let blocking = |x: &f64| {
-                if count.fetch_add(1, Ordering::Relaxed) == 100_000 {
+                if count.fetch_add(1, Ordering::Relaxed) == 30_000 {
                     if late {
                         std::thread::sleep(limit.saturating_sub(began.elapsed()));
                     } else {

@@ -125,11 +125,11 @@ fn a_limit_of_time() {
     let case = &cases()[0];
     let whole = case.whole();
     let path = folder.file("run");
-    let slow = || std::thread::sleep(Duration::from_micros(20));
+    let slow = || std::thread::sleep(Duration::from_micros(50));
     let mut sessions = 0;
     loop {
         let target = Target::new().samples(whole.samples).unwrap();
-        let target = target.time(Duration::from_millis(15));
+        let target = target.time(Duration::from_millis(20));
         let run = Run::new(target).threads(2).unwrap().checkpoint(&path);
         let outcome = case.hooked(run, &slow);
         assert_eq!(outcome.error, None);
@@ -144,7 +144,7 @@ fn a_limit_of_time() {
         }
         assert!(sessions < 1000);
     }
-    assert!(sessions > 2, "{sessions}");
+    assert!(sessions > 1, "{sessions}");
     // No time at all.
     let outcome = case.go(Run::new(Target::new().time(Duration::ZERO)));
     assert_eq!((outcome.stop, outcome.samples, outcome.error), (Stop::Time, 0, None));

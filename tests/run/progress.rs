@@ -189,7 +189,7 @@ fn as_many_threads_as_were_asked_for() {
             std::thread::sleep(Duration::from_micros(20));
             f(x)
         };
-        Run::new(to(2048)).threads(threads).unwrap().execute(&mis, &counting, 1).unwrap();
+        Run::new(to(4096)).threads(threads).unwrap().execute(&mis, &counting, 1).unwrap();
         let seen = seen.into_inner().unwrap();
         assert!(seen.contains(&std::thread::current().id()));
         let expected = if cfg!(feature = "parallel") { threads } else { 1 };
