@@ -126,7 +126,7 @@ mod tests {
     fn a_second_cluster_is_no_tail() {
         // Every fiftieth contribution is 2, the others are spread over [0, 1].
         let clusters = |n: u32| -> Vec<f64> {
-            let one = |k: u32| if k % 50 == 0 { 2.0 } else { f64::from(k % 997) / 997.0 };
+            let one = |k: u32| if k.is_multiple_of(50) { 2.0 } else { f64::from(k % 997) / 997.0 };
             (0..n).map(one).collect()
         };
         assert_eq!(k_hat(&clusters(4000), 4000), None);
