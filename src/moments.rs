@@ -237,10 +237,11 @@ mod tests {
     #[test]
     fn zeros_fit_any_unit() {
         let tiny = of(&[1e-200, 3e-200]);
-        let merged = of(&[0.0, 0.0]).merge(tiny);
         // The squared deviations of (0, 0, 1, 3) from their mean, 1, sum to 6.
         let exact = (6.0_f64 / 3.0 / 4.0).sqrt() * 1e-200;
-        assert!((merged.standard_error().unwrap() / exact - 1.0).abs() < 1e-14);
+        for merged in [of(&[0.0, 0.0]).merge(tiny), tiny.merge(of(&[0.0, 0.0]))] {
+            assert!((merged.standard_error().unwrap() / exact - 1.0).abs() < 1e-14);
+        }
         assert_eq!(tiny.merge(of(&[0.0])).count, 3);
     }
 

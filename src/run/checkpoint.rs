@@ -217,3 +217,102 @@ fn decode(bytes: &[u8]) -> Result<Saved, String> {
         Err(error) => Err(format!("its contents cannot be read: {error}")),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{CRC, HEADER, Identity, Saved, Shard, beside, decode, digest, encode, folder_of};
+    use crate::run::state::Round;
+    use std::path::Path;
+
+    fn saved() -> Saved {
+        let identity = Identity {
+            estimator: "multi-sample".into(),
+            components: 2,
+            sums: 3,
+            first_samples: u64::MAX,
+            first_sums: 5,
+            label: "a".into(),
+        };
+        let shard = Shard { index: 1, of: 4 };
+        Saved { identity, shard, limit: 1 << 53, rounds: vec![Round::default(); 2] }
+    }
+
+    /// A file with this payload and a checksum that is right.
+    fn with_payload(payload: &[u8]) -> Vec<u8> {
+        let mut bytes = encode(&saved()).unwrap()[..HEADER - 8].to_vec();
+        bytes.extend((payload.len() as u64).to_le_bytes());
+        bytes.extend(payload);
+        bytes.extend(CRC.checksum(&bytes).to_le_bytes());
+        bytes
+    }
+
+    #[test]
+    fn what_is_read_is_what_was_written() {
+        let bytes = encode(&saved()).unwrap();
+        assert_eq!(decode(&bytes), Ok(saved()));
+        assert_eq!(&bytes[..12], b"mis-run\n\x01\0\0\0");
+        assert_eq!(with_payload(&bytes[HEADER..bytes.len() - 8]), bytes);
+    }
+
+    #[test]
+    fn payloads_that_are_no_run() {
+        let bytes = encode(&saved()).unwrap();
+        let payload = &bytes[HEADER..bytes.len() - 8];
+        let longer = [payload, &[0, 0]].concat();
+        assert_eq!(decode(&with_payload(&longer)), Err("there are 2 bytes too many".into()));
+        for short in [&payload[..payload.len() - 1], &[]] {
+            let error = decode(&with_payload(short)).unwrap_err();
+            assert!(error.starts_with("its contents cannot be read: "), "{error}");
+        }
+    }
+
+    /// The check value of CRC-64/XZ, of the digits 1 to 9.
+    #[test]
+    fn the_checksum_is_a_known_one() {
+        assert_eq!(CRC.checksum(b"123456789"), 0x995d_c9bb_df19_39fa);
+        let word = u64::from_le_bytes(*b"12345678");
+        assert_eq!(digest([word]), CRC.checksum(b"12345678"));
+        assert_ne!(digest([1, 2]), digest([2, 1]));
+    }
+
+    #[test]
+    fn differences_are_named() {
+        let path = Path::new("file");
+        let own = saved();
+        assert!(own.check(path, &own.identity, own.shard).is_ok());
+        let differs = |change: fn(&mut Saved), expected: &str| {
+            let mut other = saved();
+            change(&mut other);
+            let error = own.check(path, &other.identity, other.shard).unwrap_err().to_string();
+            assert_eq!(error, format!("checkpoint file: it is of another run: {expected}"));
+        };
+        differs(|s| s.identity.label = "b".into(), "its label is \"a\", not \"b\"");
+        differs(|s| s.identity.components = 1, "its number of components is 2, not 1");
+        differs(|s| s.identity.sums = 0, "its number of sums is 3, not 0");
+        differs(
+            |s| s.identity.estimator = "one-sample".into(),
+            "its estimator is \"multi-sample\", not \"one-sample\"",
+        );
+        differs(
+            |s| s.identity.first_samples = 0,
+            "its first samples contribute something else: another seed, integrand, technique, \
+             weighting, or build",
+        );
+        differs(|s| s.identity.first_sums = 0, "its sums are of something else");
+        differs(|s| s.shard.index = 2, "it is shard 1 of 4, not shard 2 of 4");
+    }
+
+    #[test]
+    fn the_temporary_file_is_in_the_same_folder() {
+        let (first, second) = (beside(Path::new("a/b/run.ckpt")), beside(Path::new("run.ckpt")));
+        let start = format!("run.ckpt.{}.", std::process::id());
+        for (path, folder) in [(&first, "a/b"), (&second, "")] {
+            assert_eq!(path.parent(), Some(Path::new(folder)));
+            let name = path.file_name().unwrap().to_str().unwrap();
+            assert!(name.starts_with(&start) && name.ends_with(".tmp"), "{name}");
+        }
+        assert_ne!(first.file_name(), second.file_name());
+        assert_eq!(folder_of(Path::new("a/b/run.ckpt")), Path::new("a/b"));
+        assert_eq!(folder_of(Path::new("run.ckpt")), Path::new("."));
+    }
+}

@@ -21,7 +21,7 @@ impl<V: Value> Display for Report<V> {
             writeln!(f, "  {}", self.status)?;
         }
         if let Some(error) = &self.checkpoint_error {
-            writeln!(f, "  not saved: {error}")?;
+            writeln!(f, "  a checkpoint failed: {error}")?;
         }
         for c in 0..V::COMPONENTS {
             let name = if V::COMPONENTS == 1 { String::new() } else { format!(", component {c}") };
@@ -169,4 +169,21 @@ fn or_dash(x: Option<f64>, digits: usize, unit: &str) -> String {
 fn short(x: f64) -> String {
     let text = format!("{x:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{or_dash, short};
+
+    #[test]
+    fn numbers_without_digits_that_are_not_there() {
+        for (x, text) in [(95.0, "95"), (68.27, "68.27"), (100.0, "100"), (99.9999, "99.9999")] {
+            assert_eq!(short(x), text);
+        }
+        assert_eq!(
+            (or_dash(Some(1.256), 2, " %").as_str(), or_dash(None, 2, "")),
+            ("1.26 %", "-".into())
+        );
+        assert_eq!(or_dash(Some(f64::NAN), 2, ""), "-");
+    }
 }

@@ -21,9 +21,9 @@ use super::tree::Node;
 use super::worker::{Brake, Job, Observer, Outcome, caught};
 use crate::error::{ArgumentError, shortened};
 use crate::estimate::Estimate;
-use crate::estimator::{Estimator, Evidence, Frame};
+use crate::estimator::{Estimator, Evidence, Frame, OnFault};
 use crate::integrand::{Integrand, Value};
-use crate::part::Part;
+use crate::part::{Counts, Part};
 use crate::points::PointSource;
 
 /// How many samples of each technique tell one run from another.
@@ -45,6 +45,8 @@ struct End<V> {
     confirming: Option<(Leaf, Judged<V>)>,
     /// All rounds together.
     all: Option<Leaf>,
+    /// The last one.
+    round: u32,
 }
 
 impl<'a, P, F, E, S, O> Driver<'a, P, F, E, S, O>
@@ -104,15 +106,17 @@ where
         }
 
         let mut end = self.rounds(&threads, &brake, &mut session);
-        if end.fault.is_none() {
-            end.fault = self.too_many_faults(end.all.as_ref(), None);
+        if let Some(fault) = end.all.as_ref().and_then(|all| self.too_many_faults(all, end.stop)) {
+            (end.stop, end.fault, end.confirming) = (Stop::Fault, Some(fault), None);
         }
         session.save();
+        // What an earlier session went further is in the file, but not in this report.
+        session.truncate(end.round);
         let fault = end.fault.take();
         let unsaved = fault.is_none().then(|| session.save_error.take()).flatten();
         let report = self.report(session, end);
         match fault.or(unsaved.map(RunFault::from)) {
-            Some(fault) => Err(RunError::new(fault, Some(report))),
+            Some(fault) => Err(RunError::new(fault, (report.samples > 0).then_some(report))),
             None => Ok(report),
         }
     }
@@ -195,41 +199,49 @@ where
         session: &mut Session,
     ) -> End<F::Value> {
         let mut all: Option<Leaf> = None;
+        let mut round = 0;
         for number in 0.. {
             if session.span(number).chunks() == 0 {
                 break;
             }
+            round = number;
             let outcome = self.round(number, threads, brake, session);
             let own = session.total(number);
             if let Some(own) = &own {
                 all = Some(all.map_or_else(|| own.clone(), |all| all.merge(own)));
             }
+            // What an earlier session has drawn was shown and saved by it.
+            let fresh = matches!(outcome, Outcome::Done);
             let ended = match outcome {
                 Outcome::Failed(fault) => Some((Stop::Fault, Some(fault))),
                 Outcome::Interrupted if brake.is_cancelled() => Some((Stop::Cancelled, None)),
                 Outcome::Interrupted => Some((Stop::Time, None)),
-                // More than there may be at the end.
-                Outcome::Done => self
-                    .too_many_faults(all.as_ref(), Some(session.limit))
+                Outcome::Done | Outcome::Loaded => all
+                    .as_ref()
+                    .and_then(|all| self.hopeless(all, session.limit))
                     .map(|fault| (Stop::Fault, Some(fault))),
             };
             if let Some((stop, fault)) = ended {
-                return End { stop, fault, confirming: None, all };
+                return End { stop, fault, confirming: None, all, round };
             }
             let (Some(own), Some(together)) = (own, &all) else { continue };
+            if fresh {
+                self.watch(session, number, together, brake);
+            }
             if self.run.target.has_tolerance() {
                 let judged = self.judged(own.clone());
                 if session.confirming && self.holds(&judged, Gate::Confirming, 1.0) {
                     let confirming = Some((own, judged));
-                    return End { stop: Stop::Tolerance, fault: None, confirming, all };
+                    return End { stop: Stop::Tolerance, fault: None, confirming, all, round };
                 }
                 session.confirming =
                     self.holds(&self.judged(together.clone()), Gate::NearNormal, MARGIN);
             }
-            session.save();
-            self.watch(session, number, together, brake);
+            if fresh {
+                session.save();
+            }
         }
-        End { stop: Stop::Samples, fault: None, confirming: None, all }
+        End { stop: Stop::Samples, fault: None, confirming: None, all, round }
     }
 
     /// Draws what is missing of a round.
@@ -247,22 +259,25 @@ where
         let done = round.done().filter(|done| !done.is_empty());
         let todo = done.map_or(share.start, |done| done.end)..share.end;
         let outcome = if todo.is_empty() {
-            Outcome::Done
+            Outcome::Loaded
         } else {
+            let before = session.samples();
             let Self { run, job, .. } = self;
             let target = run.target;
-            let mut tick = |round: &Round| {
+            let mut tick = |round: &dyn Fn() -> Round| {
                 session.save_if_due(number, round);
                 if let Some((interval, watcher)) = &mut run.watcher
                     && session.last_watch.elapsed() >= *interval
                 {
                     session.last_watch = Instant::now();
+                    let round = round();
+                    let samples = before + round.samples(&span);
                     let earlier =
                         session.rounds.iter().zip(0..number).filter_map(|(r, _)| r.total());
                     let all = earlier.chain(round.total()).reduce(|all, leaf| all.merge(&leaf));
                     let frame = job.estimator.frame();
                     let seen = all.map(|all| {
-                        Progress::new::<F::Value>(&frame, &target, number, &all, session)
+                        Progress::new::<F::Value>(&frame, &target, number, samples, &all, session)
                     });
                     if seen.is_some_and(|seen| watcher(&seen) == ControlFlow::Break(())) {
                         brake.pull();
@@ -278,20 +293,36 @@ where
     fn watch(&mut self, session: &mut Session, number: u32, all: &Leaf, brake: &Brake<'_>) {
         let frame = self.frame();
         let Some((interval, mut watcher)) = self.run.watcher.take() else { return };
+        let samples = session.span(number).end.min(session.samples());
         session.last_watch = Instant::now();
-        let seen = Progress::new::<F::Value>(&frame, &self.run.target, number, all, session);
+        let seen =
+            Progress::new::<F::Value>(&frame, &self.run.target, number, samples, all, session);
         if watcher(&seen) == ControlFlow::Break(()) {
             brake.pull();
         }
         self.run.watcher = Some((interval, watcher));
     }
 
-    /// Whether so many samples count as 0 for a fault that a run of `limit` samples, or of those
-    /// that there are, has too many.
-    fn too_many_faults(&self, all: Option<&Leaf>, limit: Option<u64>) -> Option<RunFault> {
-        let counts = all?.node.part.all();
-        let checked = self.frame().on_fault.check(counts.faults(), limit.unwrap_or(counts.samples));
-        checked.err().map(RunFault::from)
+    /// Whether there are so many faults that there is no use in going on: more than all samples of
+    /// the run may have, or more by far than these may have.
+    fn hopeless(&self, all: &Leaf, limit: u64) -> Option<RunFault> {
+        let OnFault::CountAsZero { at_most } = self.frame().on_fault else { return None };
+        let counts = all.node.part.all();
+        let (faults, expected) = (counts.faults() as f64, at_most * counts.samples as f64);
+        // Ten more than five standard deviations: by chance in less than 1e-6 of runs.
+        let far = faults > expected + 5.0 * expected.sqrt() + 10.0;
+        (far || faults > at_most * limit as f64).then(|| self.faults_in(counts)).flatten()
+    }
+
+    /// Whether there are too many faults in a run that is over. A shard is only a part of one.
+    fn too_many_faults(&self, all: &Leaf, stop: Stop) -> Option<RunFault> {
+        let over = matches!(stop, Stop::Tolerance | Stop::Samples | Stop::Time);
+        let whole = over && self.run.shard.of == 1;
+        whole.then(|| self.faults_in(all.node.part.all())).flatten()
+    }
+
+    fn faults_in(&self, counts: Counts) -> Option<RunFault> {
+        self.frame().on_fault.check(counts.faults(), counts.samples).err().map(RunFault::from)
     }
 
     fn judged(&self, leaf: Leaf) -> Judged<F::Value> {
@@ -307,7 +338,7 @@ where
     fn report(&self, session: Session, end: End<F::Value>) -> Report<F::Value> {
         let frame = self.frame();
         let all = end.all.unwrap_or_else(|| self.nothing());
-        let samples = all.node.part.all().samples;
+        let samples = session.samples();
         let estimate =
             |leaf: &Leaf| Estimate::new(frame.design, frame.shares, leaf.node.part.clone());
         let mut cumulative: Option<Leaf> = None;

@@ -25,7 +25,10 @@ fn tail_length(n: u64) -> usize {
 /// k = 1/2 on. Above 0.7, means of practical size are far from normal.
 ///
 /// `None` where there is nothing to fit: less than 5 exceedances, a quarter of them 0 as with the
-/// ties of an indicator, or magnitudes that are not finite.
+/// ties of an indicator, or magnitudes that are not finite. Also where k̂ ≥ 1/2 but Σ y² is more than
+/// ten times the largest y²: a tail so heavy has few exceedances of the size of its largest (at
+/// k = 1/2, Σ 1/i = 6 of them). Many of them, beyond more that are small, are a second cluster of
+/// contributions, as when some samples of a technique fall on another's peak.
 ///
 /// The estimate is a posterior mean over a data-driven prior, drawn to 1/2 by a prior worth ten
 /// exceedances, (M k̂ + 5) / (M + 10), which steadies it where M is small.
@@ -69,7 +72,9 @@ pub(super) fn k_hat(largest: &[f64], n: u64) -> Option<f64> {
     }
     let k = shape(mean / weights, &tail);
     let k = (count * k + 5.0) / (count + 10.0);
-    k.is_finite().then_some(k)
+    let of_the_largest_size: f64 = tail.iter().map(|x| x * x).sum();
+    let clusters = k >= 0.5 && of_the_largest_size > 10.0;
+    (k.is_finite() && !clusters).then_some(k)
 }
 
 /// The k that fits best for θ = -k/σ: the mean of ln(1 - θ x).
@@ -114,6 +119,23 @@ mod tests {
                 xs[xs.len() - tail_length(n) - 1..].iter().map(|x| -x).collect();
             assert_eq!(k_hat(&largest, n), Some(k));
             assert_eq!(k_hat(&largest.into_iter().rev().collect::<Vec<_>>(), n), Some(k));
+        }
+    }
+
+    #[test]
+    fn a_second_cluster_is_no_tail() {
+        // Every fiftieth contribution is 2, the others are spread over [0, 1].
+        let clusters = |n: u32| -> Vec<f64> {
+            let one = |k: u32| if k.is_multiple_of(50) { 2.0 } else { f64::from(k % 997) / 997.0 };
+            (0..n).map(one).collect()
+        };
+        assert_eq!(k_hat(&clusters(4000), 4000), None);
+        // Fewer than ten of them may be a tail.
+        assert!(k_hat(&clusters(400), 400).is_some_and(|k| k > 0.5));
+        // And a heavy tail is one, whatever its samples.
+        for a in [1.0, 1.5, 2.0] {
+            let xs = quantiles(4000, |u| (1.0 - u).powf(-1.0 / a));
+            assert!(k_hat(&xs, 4000).is_some_and(|k| k > 0.45), "{a}");
         }
     }
 

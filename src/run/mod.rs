@@ -53,6 +53,7 @@
 //! - Samples that do not agree with the pdfs, [`Report::density_scores`].
 //!
 //! A region that no technique reaches, and a peak that no sample has met, cannot be seen.
+#![doc = include_str!("coverage.md")]
 
 mod checkpoint;
 mod display;

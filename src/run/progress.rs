@@ -15,8 +15,8 @@ use crate::integrand::Value;
 
 /// Stops a run from another thread.
 ///
-/// Clones are one and the same switch. No sample is begun after it is thrown; those that are being
-/// evaluated are waited for.
+/// Clones are one and the same switch. Samples are drawn in blocks, of up to 512 of one technique;
+/// no block is begun after it is thrown, and those that are being evaluated are waited for.
 #[derive(Debug, Clone, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 
@@ -75,17 +75,17 @@ pub struct Progress {
 pub(super) const MARGIN: f64 = 1.1;
 
 impl Progress {
-    /// That of a run that has drawn `all`.
+    /// That of a run whose first `samples` samples came to `all`.
     pub(super) fn new<V: Value>(
         frame: &Frame<'_>,
         target: &Target,
         round: u32,
+        samples: u64,
         all: &Leaf,
         session: &Session,
     ) -> Self {
         let Session { limit, loaded, began, confirming, .. } = session;
         let estimate = Estimate::<V>::new(frame.design, frame.shares, all.node.part.clone());
-        let samples = estimate.samples();
         let elapsed = began.elapsed();
         let rate = samples.saturating_sub(*loaded) as f64 / elapsed.as_secs_f64().max(1e-9);
         let excess = target.has_tolerance().then(|| target.excess(&estimate));

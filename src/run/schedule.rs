@@ -42,6 +42,11 @@ impl Span {
         self.end - self.start
     }
 
+    /// The samples of some chunks.
+    pub(super) fn samples_of(&self, chunks: &Range<u64>) -> u64 {
+        self.chunk(chunks.end).start.saturating_sub(self.chunk(chunks.start).start)
+    }
+
     /// How many chunks there are.
     pub(super) fn chunks(&self) -> u64 {
         self.samples().div_ceil(self.chunk)

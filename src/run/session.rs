@@ -55,9 +55,14 @@ impl Session {
         }
     }
 
+    /// How many samples the rounds stand for; a technique's share of them may leave out one.
     pub(super) fn samples(&self) -> u64 {
-        let totals = self.rounds.iter().filter_map(Round::total);
-        totals.map(|leaf| leaf.node.part.all().samples).sum()
+        (0..).zip(&self.rounds).map(|(number, round)| round.samples(&self.span(number))).sum()
+    }
+
+    /// Leaves out the rounds behind this one, to which an earlier session went.
+    pub(super) fn truncate(&mut self, number: u32) {
+        self.rounds.truncate(place(number).saturating_add(1));
     }
 
     /// Saves everything, if there is a file for it.
@@ -74,18 +79,24 @@ impl Session {
     }
 
     /// Saves everything, with a round that was taken out, if it is time to.
-    pub(super) fn save_if_due(&mut self, number: u32, round: &Round) {
+    pub(super) fn save_if_due(&mut self, number: u32, round: &dyn Fn() -> Round) {
         if self.path.is_some() && self.last_save.elapsed() >= self.save_every {
-            self.put(number, round.clone());
+            self.put(number, round());
             self.save();
         }
     }
 
     /// Continues from the file, if there is one.
     pub(super) fn load(&mut self) -> Result<(), CheckpointError> {
-        let Some(path) = self.path.clone() else { return Ok(()) };
-        let Some(saved) = checkpoint::load(&path)? else { return Ok(()) };
-        saved.check(&path, &self.identity, self.shard)?;
+        self.rounds = self.loaded_rounds(&self.identity)?;
+        Ok(())
+    }
+
+    /// The rounds in the file, if there is one, as far as this run needs them.
+    fn loaded_rounds(&self, identity: &Identity) -> Result<Vec<Round>, CheckpointError> {
+        let Some(path) = self.path.clone() else { return Ok(Vec::new()) };
+        let Some(saved) = checkpoint::load(&path)? else { return Ok(Vec::new()) };
+        saved.check(&path, identity, self.shard)?;
         let other = |difference| CheckpointError::OtherRun { path: path.clone(), difference };
         if self.shard.of > 1 && saved.limit != self.limit {
             return Err(other(format!(
@@ -93,7 +104,8 @@ impl Session {
                 saved.limit, self.limit
             )));
         }
-        for (number, mut round) in (0..).zip(saved.rounds) {
+        let mut rounds = saved.rounds;
+        for (number, round) in (0..).zip(&mut rounds) {
             let span = self.span(number);
             if !round.fit(&span, span.share(self.shard.index, self.shard.of)) {
                 return Err(other(format!(
@@ -101,9 +113,8 @@ impl Session {
                     self.limit
                 )));
             }
-            self.rounds.push(round);
         }
-        Ok(())
+        Ok(rounds)
     }
 
     /// Puts the shards of a run together.
@@ -124,6 +135,8 @@ impl Session {
         // A run can be merged without what made its sums.
         self.identity.sums = first.identity.sums;
         self.identity.first_sums = first.identity.first_sums;
+        // What is there already must be a part of the same run.
+        self.loaded_rounds(&self.identity)?;
         for (index, (path, saved)) in (0..).zip(&parts) {
             let found = saved.shard.index;
             saved.check(path, &self.identity, Shard { index: found, of })?;

@@ -74,6 +74,11 @@ impl Round {
         }
     }
 
+    /// How many samples its chunks stand for.
+    pub(super) fn samples(&self, span: &Span) -> u64 {
+        self.done().map_or(0, |chunks| span.samples_of(&chunks))
+    }
+
     /// Adds the chunks of another part of the round, which lie behind these.
     pub(super) fn append(&mut self, right: Self) {
         self.tree.append(right.tree);
@@ -112,4 +117,108 @@ impl Leaf {
 fn merge_tails(left: &mut Vec<Tail>, right: &[Tail]) {
     left.resize(left.len().max(right.len()), Tail::default());
     left.iter_mut().zip(right).for_each(|(left, right)| left.merge(right));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Leaf, Round};
+    use crate::part::{Counts, Part};
+    use crate::run::schedule::Span;
+    use crate::run::tally::Cells;
+    use crate::run::tree::Node;
+    use crate::tail::Tail;
+
+    /// So many samples, with one large contribution.
+    fn leaf(samples: u64, y: f64) -> Leaf {
+        let mut tail = Tail::default();
+        tail.push(&[y], y);
+        let counts = vec![Counts { samples, ..Counts::default() }];
+        let part = Part { contributions: Vec::new(), counts };
+        let node = Node { part, seen: Vec::new(), densities: Vec::new(), cells: Cells::default() };
+        Leaf { node, tails: vec![tail] }
+    }
+
+    fn samples(round: &Round) -> u64 {
+        round.total().map_or(0, |leaf| leaf.node.part.all().samples)
+    }
+
+    /// The first round, of chunks of 64, cut after `samples`, and done up to chunk `chunks`.
+    fn round(samples: u64, chunks: std::ops::Range<u64>) -> (Span, Round) {
+        let span = Span::new(0, samples, 1);
+        let mut round = Round::default();
+        for k in chunks {
+            let range = span.chunk(k);
+            round.push(&span, k, leaf(range.end - range.start, (k + 1) as f64));
+        }
+        (span, round)
+    }
+
+    #[test]
+    fn a_cut_chunk_counts_but_can_be_taken_back() {
+        let (span, mut cut) = round(200, 0..4);
+        assert_eq!((cut.done(), samples(&cut), cut.samples(&span)), (Some(0..4), 200, 200));
+        assert_eq!(cut.total().unwrap().tails[0].magnitudes(), [1.0, 2.0, 3.0, 4.0]);
+        // Where the run ends at the same sample, it stays.
+        let before = cut.clone();
+        assert!(cut.fit(&span, 0..4));
+        assert_eq!(cut, before);
+        for other in [199, 201, 1024] {
+            let mut cut = before.clone();
+            assert!(cut.fit(&Span::new(0, other, 1), 0..4));
+            assert_eq!((cut.done(), samples(&cut)), (Some(0..3), 192), "{other}");
+            assert_eq!(cut, round(192, 0..3).1);
+        }
+        // Chunks of another shard, and more than there are to be.
+        for share in [1..4, 0..2] {
+            assert!(!before.clone().fit(&span, share));
+        }
+        // A whole chunk, where there is to be a part of one.
+        assert!(!round(192, 0..3).1.fit(&Span::new(0, 150, 1), 0..3));
+    }
+
+    #[test]
+    fn a_cut_chunk_alone_and_behind_a_gap() {
+        assert_eq!(round(200, 3..4).1.done(), Some(3..4));
+        assert_eq!(round(20, 0..1).1.done(), Some(0..1));
+        let (span, mut gap) = round(200, 0..2);
+        gap.append(round(200, 3..4).1);
+        assert!(!gap.fit(&span, 0..4));
+        assert_eq!((gap.done(), gap.samples(&span)), (None, 0));
+        assert_eq!(Round::default().done(), Some(0..0));
+        assert!(Round::default().total().is_none());
+    }
+
+    #[test]
+    fn parts_of_a_round_make_up_the_round() {
+        let (_, whole) = round(200, 0..4);
+        for cut in 0..=4 {
+            let (_, mut left) = round(200, 0..cut);
+            left.append(round(200, cut..4).1);
+            assert_eq!(left, whole, "{cut}");
+        }
+    }
+
+    #[test]
+    fn tails_of_chunks_to_come_begin_where_those_of_the_round_do() {
+        let (_, mut round) = round(1024, 0..2);
+        let mut thresholds = [-1.0, -1.0];
+        round.thresholds(&mut thresholds);
+        assert_eq!(thresholds, [0.0, -1.0]);
+        let span = Span::new(0, 1024, 1);
+        for k in 2..16 {
+            let mut many = leaf(64, 1.0);
+            many.tails[0].push(&[7.0; 40], 7.0);
+            round.push(&span, k, many);
+        }
+        round.thresholds(&mut thresholds);
+        assert_eq!(thresholds, [7.0, -1.0]);
+        assert_eq!(round.total().unwrap().tails[0].magnitudes().len(), 257);
+    }
+
+    #[test]
+    fn leaves_merge_in_all_their_parts() {
+        let mut both = leaf(3, 1.0).merge(&leaf(4, 2.0));
+        assert_eq!(both.node.part.all().samples, 7);
+        assert_eq!(both.tails[0].magnitudes(), [1.0, 2.0]);
+    }
 }

@@ -42,7 +42,7 @@ pub enum Status {
     Cancelled,
     /// The value, its error, or both may be wrong, for these reasons.
     Suspect(Vec<Doubt>),
-    /// Every contribution is 0. At 95 % confidence, at most the part `at_most` of all samples have
+    /// Every contribution to what the target counts is 0. At 95 % confidence, at most the part `at_most` of all samples have
     /// one that is not: 3 / N, the rule of three. How large those are, no sample says.
     #[non_exhaustive]
     NoSignal {

@@ -165,7 +165,8 @@ impl Cells {
                 let n = cell.count as f64;
                 let known = added > 0 && all > 1;
                 let standard_error = known.then(|| (cell.m2 / (n - 1.0) / n).sqrt());
-                return Tallied { value: cell.mean, standard_error, samples: added };
+                let value = if all > 0 { cell.mean } else { f64::NAN };
+                return Tallied { value, standard_error, samples: added };
             }
             let (mut value, mut variance, mut known) = (0.0, 0.0, added > 0);
             for ((cell, alpha), counts) in column.zip(frame.shares).zip(&part.counts) {
@@ -173,12 +174,140 @@ impl Cells {
                     let cell = cell.of_all(counts.samples);
                     let n = cell.count as f64;
                     known &= cell.count > 1;
-                    value += alpha * cell.mean;
+                    // Without a sample, the technique's part is missing.
+                    value += if n > 0.0 { alpha * cell.mean } else { f64::NAN };
                     variance += alpha * alpha * cell.m2 / (n - 1.0) / n;
                 }
             }
             Tallied { value, standard_error: known.then(|| variance.sqrt()), samples: added }
         };
         (0..self.sums).map(one).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cell, Cells, Pending, Tallied};
+    use crate::estimator::{Design, Frame, OnFault};
+    use crate::part::{Counts, Part};
+    use crate::weighting::Balance;
+
+    fn cell(amounts: &[f64]) -> Cell {
+        let mut cell = Cell::default();
+        for amount in amounts {
+            cell.push(*amount);
+        }
+        cell
+    }
+
+    /// Count, mean and squared deviations by plain sums.
+    fn plain(amounts: &[f64]) -> (u64, f64, f64) {
+        let n = amounts.len() as f64;
+        let mean = amounts.iter().sum::<f64>() / n;
+        (amounts.len() as u64, mean, amounts.iter().map(|a| (a - mean).powi(2)).sum())
+    }
+
+    fn agree(cell: Cell, (count, mean, m2): (u64, f64, f64)) {
+        assert_eq!(cell.count, count);
+        assert!((cell.mean - mean).abs() < 1e-14 && (cell.m2 - m2).abs() < 1e-13, "{cell:?}");
+    }
+
+    const AMOUNTS: [f64; 7] = [1.5, -0.25, 3.0, 0.0, 2.75, -1.0, 0.5];
+
+    #[test]
+    fn cells_are_plain_sums() {
+        agree(cell(&AMOUNTS), plain(&AMOUNTS));
+        for cut in 0..=AMOUNTS.len() {
+            let (left, right) = AMOUNTS.split_at(cut);
+            agree(cell(left).merge(cell(right)), plain(&AMOUNTS));
+        }
+        let mut with_zeros = AMOUNTS.to_vec();
+        with_zeros.resize(20, 0.0);
+        agree(cell(&AMOUNTS).of_all(20), plain(&with_zeros));
+        agree(cell(&AMOUNTS).of_all(7), plain(&AMOUNTS));
+    }
+
+    /// Two sums of two techniques, three samples of each.
+    fn cells() -> Cells {
+        let mut cells = Cells::new(2, 2);
+        let mut pending = Pending::default();
+        let samples: [(usize, &[(usize, f64)]); 6] = [
+            (0, &[(0, 1.0), (1, 5.0)]),
+            (0, &[(1, 2.0), (0, 0.5), (1, 4.0), (0, 0.25)]), // 0.75 and 6, in four calls
+            (0, &[]),
+            (1, &[(0, 4.0), (2, 9.0)]),
+            (1, &[(usize::MAX, 1.0)]),
+            (1, &[(0, 2.0)]),
+        ];
+        for (technique, amounts) in samples {
+            cells.sample(technique, &mut pending, |tally| {
+                for (k, amount) in amounts {
+                    tally.add(*k, *amount);
+                }
+            });
+        }
+        cells
+    }
+
+    fn tallied(cells: &Cells, design: Design, samples: [u64; 2]) -> Vec<Tallied> {
+        let counts = samples.map(|samples| Counts { samples, ..Counts::default() });
+        let part = Part { contributions: Vec::new(), counts: counts.to_vec() };
+        let (shares, on_fault) = (&[0.25, 0.75], OnFault::Error);
+        let frame = Frame { design, shares, samples: 6, on_fault, weighting: &Balance };
+        cells.tallied(&frame, &part)
+    }
+
+    #[test]
+    fn what_a_sample_adds_to_a_sum_is_one_amount() {
+        let cells = cells();
+        let counts: Vec<u64> = cells.rows.iter().map(|cell| cell.count).collect();
+        assert_eq!((counts, cells.misplaced), (vec![2, 2, 2, 0], 2));
+        agree(cells.rows[0], plain(&[1.0, 0.75]));
+        agree(cells.rows[1], plain(&[5.0, 6.0]));
+        agree(cells.rows[2], plain(&[4.0, 2.0]));
+    }
+
+    #[test]
+    fn sums_are_means_over_all_samples() {
+        let [a, b] = [plain(&[1.0, 0.75, 0.0]), plain(&[4.0, 0.0, 2.0])];
+        let sums = tallied(&cells(), Design::Stratified, [3, 3]);
+        assert_eq!((sums[0].samples, sums[1].samples), (4, 2));
+        assert!((sums[0].value - (0.25 * a.1 + 0.75 * b.1)).abs() < 1e-15);
+        let variance = (0.0625 * a.2 + 0.5625 * b.2) / 6.0;
+        assert!((sums[0].standard_error.unwrap() - variance.sqrt()).abs() < 1e-15);
+        assert!((sums[1].value - 0.25 * 11.0 / 3.0).abs() < 1e-15);
+
+        let all = plain(&[1.0, 0.75, 0.0, 4.0, 0.0, 2.0]);
+        let sums = tallied(&cells(), Design::Pooled, [3, 3]);
+        assert!((sums[0].value - all.1).abs() < 1e-15);
+        let error = (all.2 / 5.0 / 6.0).sqrt();
+        assert!((sums[0].standard_error.unwrap() - error).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_cannot_be_known() {
+        for design in [Design::Stratified, Design::Pooled] {
+            let none = tallied(&Cells::new(2, 1), design, [3, 3]);
+            assert_eq!((none[0].value, none[0].standard_error, none[0].samples), (0.0, None, 0));
+            let nothing = tallied(&Cells::new(2, 1), design, [0, 0]);
+            assert!(nothing[0].value.is_nan() && nothing[0].standard_error.is_none());
+        }
+        let mut one = Cells::new(2, 1);
+        one.sample(0, &mut Pending::default(), |tally| tally.add(0, 2.0));
+        // A technique without a sample, and one with a single sample.
+        assert!(tallied(&one, Design::Stratified, [3, 0])[0].value.is_nan());
+        let single = tallied(&one, Design::Stratified, [3, 1]);
+        assert!(single[0].value.is_finite() && single[0].standard_error.is_none());
+        assert_eq!(tallied(&one, Design::Pooled, [1, 0])[0].standard_error, None);
+        assert!(tallied(&one, Design::Pooled, [1, 1])[0].standard_error.is_some());
+    }
+
+    #[test]
+    fn merging_adds_every_cell() {
+        let mut twice = cells();
+        twice.merge(&cells());
+        assert_eq!(twice.misplaced, 4);
+        agree(twice.rows[0], plain(&[1.0, 0.75, 1.0, 0.75]));
+        agree(twice.rows[2], plain(&[4.0, 2.0, 4.0, 2.0]));
     }
 }

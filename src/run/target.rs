@@ -132,7 +132,8 @@ impl Target {
 
     /// At most this much time, by the clock on the wall, since the run or its continuation began.
     ///
-    /// No sample is begun after that; those that are being evaluated are waited for. How far a run
+    /// No block of samples, up to 512 of one technique, is begun after that; those that are being
+    /// evaluated are waited for. How far a run
     /// comes depends on the machine; its report says how many samples it took, and a run of that
     /// many gives the same bits.
     #[must_use]
@@ -239,5 +240,128 @@ fn tolerance_of(argument: &'static str, tolerance: f64) -> Result<f64, ArgumentE
         Ok(tolerance)
     } else {
         Err(ArgumentError::new("Target", argument, tolerance, "it must be greater than 0"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Norm, Target};
+    use crate::estimate::Estimate;
+    use crate::estimator::Design;
+    use crate::moments::Moments;
+    use crate::part::{Contributions, Counts, Extreme, Part};
+    use std::time::Duration;
+
+    /// The estimate from these contributions of one technique, a row for each component.
+    fn estimate<const K: usize>(rows: [&[f64]; K]) -> Estimate<[f64; K]> {
+        let contributions = rows.map(|ys| Contributions {
+            moments: Moments::of_block(ys),
+            extreme: Extreme { y: ys[0], index: 0 },
+        });
+        let counts = vec![Counts { samples: rows[0].len() as u64, ..Counts::default() }];
+        let part = Part { contributions: contributions.to_vec(), counts };
+        Estimate::new(Design::Stratified, &[1.0], part)
+    }
+
+    #[test]
+    fn excess_by_every_norm() {
+        // Values 2, -8 and 0; symmetric, so that intervals are.
+        let rows: [&[f64]; 3] = [&[1.0, 2.0, 2.0, 3.0], &[-6.0, -8.0, -10.0, -8.0], &[0.0; 4]];
+        let estimate = estimate(rows);
+        let target = Target::new().confidence(0.9).unwrap();
+        let e = |c| estimate.half_width(c, 0.9);
+        let (a, b) = (e(0), e(1));
+        assert!(a > 0.0 && (b / a - 2.0).abs() < 1e-12);
+        let relative = target.relative(0.1).unwrap();
+        let absolute = target.absolute(0.3).unwrap();
+        let either = relative.absolute(0.3).unwrap();
+        for (target, norm, expected) in [
+            (relative, Norm::Each, (a / 0.2_f64).max(b / 0.8)),
+            (absolute, Norm::Each, b / 0.3),
+            (either, Norm::Each, (a / 0.3_f64).max(b / 0.8)),
+            (relative, Norm::Component(0), a / 0.2),
+            (relative, Norm::Component(1), b / 0.8),
+            (relative, Norm::Component(2), f64::INFINITY),
+            (relative, Norm::Largest, b / 0.8),
+            (relative, Norm::Euclidean, a.hypot(b) / (0.1 * 68_f64.sqrt())),
+            (relative, Norm::Sum, (a + b) / 1.0),
+            (absolute, Norm::Sum, (a + b) / 0.3),
+            (either, Norm::Sum, (a + b) / 1.0),
+            (target, Norm::Each, f64::INFINITY),
+        ] {
+            let found = target.norm(norm).excess(&estimate);
+            assert!(
+                found == expected || (found / expected - 1.0).abs() < 1e-12,
+                "{norm:?} {found}"
+            );
+        }
+    }
+
+    #[test]
+    fn excess_where_an_error_is_0_or_unknown() {
+        let target = Target::new().relative(0.1).unwrap();
+        let constant = estimate([&[3.0; 4], &[0.0; 4]]);
+        assert_eq!(target.excess(&constant), 0.0);
+        assert_eq!(target.excess(&estimate([&[0.0; 4]])), f64::INFINITY);
+        assert_eq!(target.excess(&estimate([&[3.0]])), f64::INFINITY);
+        // A value of 0 has no relative error.
+        assert_eq!(target.excess(&estimate([&[1.0, -1.0]])), f64::INFINITY);
+    }
+
+    #[test]
+    fn in_words() {
+        let target = Target::new();
+        let second = Duration::from_millis(1500);
+        for (target, text) in [
+            (target, "the samples of the estimator"),
+            (target.samples(7).unwrap(), "at most 7 samples"),
+            (target.time(second), "at most 1.5 s"),
+            (target.relative(0.01).unwrap(), "relative error 0.01 at 95 %"),
+            (
+                target.absolute(2.0).unwrap().confidence(0.5).unwrap().norm(Norm::Sum),
+                "absolute error 2 at 50 % (Sum)",
+            ),
+            (
+                target
+                    .absolute(2.0)
+                    .unwrap()
+                    .relative(0.5)
+                    .unwrap()
+                    .time(second)
+                    .samples(9)
+                    .unwrap(),
+                "relative error 0.5 or absolute error 2 at 95 %, at most 9 samples, at most 1.5 s",
+            ),
+        ] {
+            assert_eq!(target.to_string(), text);
+        }
+    }
+
+    #[test]
+    fn limits() {
+        let target = Target::new();
+        assert_eq!(target.limit(77), 77);
+        assert_eq!(target.relative(0.1).unwrap().limit(77), 1 << 53);
+        assert_eq!(target.absolute(0.1).unwrap().limit(77), 1 << 53);
+        assert_eq!(target.time(Duration::ZERO).limit(77), 1 << 53);
+        assert_eq!(target.time(Duration::ZERO).samples(5).unwrap().limit(77), 5);
+        assert_eq!(Target::default(), target);
+        assert!(!target.has_tolerance() && target.absolute(1.0).unwrap().has_tolerance());
+    }
+
+    #[test]
+    fn arguments() {
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(Target::new().absolute(bad).is_err() && Target::new().relative(bad).is_err());
+        }
+        for bad in [0.0, 1.0, -0.5, 2.0, f64::NAN] {
+            assert!(Target::new().confidence(bad).is_err());
+        }
+        for (samples, good) in [(0, false), (1, true), (1 << 53, true), ((1 << 53) + 1, false)] {
+            assert_eq!(Target::new().samples(samples).is_ok(), good);
+        }
+        let second = Target::new().norm(Norm::Component(1));
+        assert!(second.check(1).is_err() && second.check(2).is_ok());
+        assert!(second.counts(1) && !second.counts(0) && Target::new().counts(9));
     }
 }

@@ -87,3 +87,91 @@ impl Tree {
         Some(nodes.fold(last, |right, left| left.clone().merge(&right)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Node, Tree};
+    use crate::estimator::Seen;
+    use crate::moments::Moments;
+    use crate::part::{Contributions, Counts, Extreme, Part};
+
+    /// What a chunk of two samples came to; sums of any two are rounded.
+    fn node(k: u64) -> Node {
+        let ys = [(k as f64 + 0.1).sqrt(), 1.0 / (k as f64 + 0.3)];
+        let extreme = Extreme { y: ys[0], index: k };
+        Node {
+            part: Part {
+                contributions: vec![Contributions { moments: Moments::of_block(&ys), extreme }],
+                counts: vec![Counts { samples: 2, ..Counts::default() }],
+            },
+            seen: vec![Seen { samples: 2, contributions: k }],
+            densities: vec![[ys[0], ys[1]]],
+            cells: crate::run::tally::Cells::default(),
+        }
+    }
+
+    fn tree(chunks: std::ops::Range<u64>) -> Tree {
+        let mut tree = Tree::default();
+        chunks.for_each(|k| tree.push(0, k, node(k)));
+        tree
+    }
+
+    #[test]
+    fn nodes_do_not_depend_on_how_chunks_are_divided() {
+        for n in 1..=17 {
+            let whole = tree(0..n);
+            assert_eq!(whole.nodes.len(), n.count_ones() as usize);
+            for a in 0..=n {
+                for b in a..=n {
+                    let mut parts = tree(0..a);
+                    parts.append(tree(a..b));
+                    parts.append(tree(b..n));
+                    assert_eq!(parts, whole, "{a} {b} {n}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_merge_and_leftovers_from_last_to_first() {
+        let pair = |k| node(k).merge(&node(k + 1));
+        let four = pair(0).merge(&pair(2));
+        assert_eq!(tree(0..4).total(), Some(four.clone()));
+        let seven = four.merge(&pair(4).merge(&node(6)));
+        assert_eq!(tree(0..7).total(), Some(seven.clone()));
+        // In another order, other bits.
+        assert_ne!(Some((1..7).fold(node(0), |sum, k| sum.merge(&node(k)))), tree(0..7).total());
+        assert_eq!(seven.part.counts[0].samples, 14);
+        assert_eq!(Tree::default().total(), None);
+    }
+
+    #[test]
+    fn chunks_1_and_2_are_neighbours_but_no_pair() {
+        let [one, two] = [node(1), node(2)];
+        let tree = tree(1..3);
+        assert_eq!(tree.nodes, [(0, 1, one), (0, 2, two)]);
+        let mut apart = Tree::default();
+        apart.push(0, 1, node(1));
+        apart.push(0, 3, node(3));
+        assert_eq!(apart.nodes.len(), 2);
+        // Nor are two of different levels.
+        let mut levels = Tree::default();
+        levels.push(1, 0, node(0));
+        levels.push(0, 1, node(1));
+        assert_eq!(levels.nodes.len(), 2);
+    }
+
+    #[test]
+    fn the_chunks_that_are_covered() {
+        assert_eq!(Tree::default().chunks(), Some(0..0));
+        for (start, end) in [(0, 1), (0, 7), (3, 8), (5, 6), (1, 16)] {
+            assert_eq!(tree(start..end).chunks(), Some(start..end));
+        }
+        let mut gap = tree(0..3);
+        gap.append(tree(4..6));
+        assert_eq!(gap.chunks(), None);
+        let mut twice = tree(0..3);
+        twice.append(tree(2..4));
+        assert_eq!(twice.chunks(), None);
+    }
+}

@@ -113,9 +113,14 @@ impl<P, F: Integrand<P> + ?Sized> Integrand<P> for Braked<'_, F> {
     }
 }
 
+/// What is to be done between chunks, given a way to have the round.
+pub(super) type Tick<'a> = dyn FnMut(&dyn Fn() -> Round) + 'a;
+
 /// How the work on a round ended.
 #[derive(Debug)]
 pub(super) enum Outcome {
+    /// All its chunks were there before.
+    Loaded,
     Done,
     Interrupted,
     /// The lowest chunk that failed.
@@ -141,7 +146,7 @@ where
     O: Observer<P, F::Value>,
 {
     /// Draws the chunks `todo` of a round, which follow those that are there. `tick` is called
-    /// by this thread between chunks.
+    /// by this thread between chunks, and can ask for the round as it is; the others work on.
     ///
     /// Chunks enter the round in their order, so that it holds all chunks up to some one at any
     /// time.
@@ -152,7 +157,7 @@ where
         round: &mut Round,
         threads: &Threads,
         brake: &Brake<'_>,
-        tick: &mut dyn FnMut(&Round),
+        tick: &mut Tick<'_>,
     ) -> Outcome {
         let end = todo.end;
         let next = AtomicU64::new(todo.start);
@@ -160,7 +165,7 @@ where
         let limit = AtomicU64::new(end);
         let shared = Shared { round, next: todo.start, early: BTreeMap::new(), failure: None };
         let shared = Mutex::new(shared);
-        let work = |tick: &mut dyn FnMut(&Round)| {
+        let work = |tick: &mut Tick<'_>| {
             let tails = self.estimator.frame().shares.len() * F::Value::COMPONENTS;
             let mut thresholds = vec![0.0; tails];
             let mut buffers = Buffers::new();
@@ -170,17 +175,18 @@ where
                     return;
                 }
                 let drawn = self.chunk(span.chunk(index), &thresholds, &mut buffers, brake);
-                let mut shared = lock(&shared);
+                let mut guard = lock(&shared);
                 match drawn {
                     Ok(None) => return,
-                    Ok(Some(leaf)) => shared.push(span, index, leaf),
+                    Ok(Some(leaf)) => guard.push(span, index, leaf),
                     Err(fault) => {
                         limit.fetch_min(index, Ordering::Relaxed);
-                        shared.fail(index, fault);
+                        guard.fail(index, fault);
                     }
                 }
-                shared.round.thresholds(&mut thresholds);
-                tick(shared.round);
+                guard.round.thresholds(&mut thresholds);
+                drop(guard);
+                tick(&|| lock(&shared).round.clone());
             }
         };
         threads.run(end - todo.start, &|| work(&mut |_| ()), || {
@@ -262,4 +268,38 @@ pub(super) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
         let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
         text.unwrap_or_else(|| "a panic without a message".into())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Brake, Cancel, caught};
+    use std::time::{Duration, Instant};
+
+    #[test]
+    fn what_a_panic_says() {
+        assert_eq!(caught(|| 3), Ok(3));
+        // `resume_unwind` does not call the hook, which would print the panic.
+        let panics = |payload: Box<dyn std::any::Any + Send>| {
+            caught::<()>(|| std::panic::resume_unwind(payload)).unwrap_err()
+        };
+        assert_eq!(panics(Box::new("text")), "text");
+        assert_eq!(panics(Box::new(String::from("owned"))), "owned");
+        assert_eq!(panics(Box::new(3)), "a panic without a message");
+    }
+
+    #[test]
+    fn a_brake_is_applied_by_any_of_three() {
+        let hour = Duration::from_secs(3600);
+        let cancel = Cancel::new();
+        let brake = Brake::new(Some(&cancel), Some(Instant::now() + hour));
+        assert!(!brake.applies() && !brake.is_late() && !brake.is_cancelled());
+        cancel.cancel();
+        assert!(brake.applies() && brake.is_cancelled() && !brake.is_late());
+        let brake = Brake::new(None, Some(Instant::now()));
+        assert!(brake.applies() && brake.is_late() && !brake.is_cancelled());
+        let brake = Brake::new(None, None);
+        assert!(!brake.applies());
+        brake.pull();
+        assert!(brake.applies() && brake.is_cancelled());
+    }
 }

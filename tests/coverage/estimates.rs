@@ -1,13 +1,8 @@
 //! Intervals cover at their level, with Welch's degrees of freedom; shares add up.
-#![allow(clippy::unwrap_used)] // also in what the tests share
-
-#[allow(dead_code)] // every test binary uses its own part of it
-#[path = "common/ensemble.rs"]
-mod ensemble;
 
 use std::f64::consts::{E, FRAC_PI_4};
 
-use ensemble::{Any, Z};
+use crate::ensemble::{Any, Z};
 use mis::technique::{Exponential, InverseCdf, Linear, Normal, Product, Uniform, UniformBox};
 use mis::{Estimate, Estimator, MultiSample, OneSample};
 

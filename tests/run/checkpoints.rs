@@ -1,0 +1,459 @@
+//! Files that are damaged, of something else, or cannot be written.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use mis::technique::{Linear, Uniform};
+use mis::weighting::Power;
+use mis::{
+    CheckpointError, Integrand, MultiSample, OnFault, OneSample, Report, Run, RunError, RunFault,
+    Stop, Target,
+};
+
+use crate::common::{Case, Dice, Folder, cases, f, tally};
+
+fn flat() -> Uniform {
+    Uniform::new(0.0, 2.0).unwrap()
+}
+
+fn ramp() -> Linear {
+    Linear::new(0.0, 2.0, 0.0, 1.0).unwrap()
+}
+
+fn fault<V: mis::Value>(result: Result<Report<V>, RunError<V>>) -> (String, bool) {
+    let error = result.map(|_| ()).unwrap_err();
+    let RunFault::Checkpoint(_) = error.fault() else { panic!("{error}") };
+    (error.to_string(), error.report().is_some())
+}
+
+/// A run that counts evaluations, at most so many; the files are the only difference.
+fn counted(run: Run<'_>, seed: u64) -> (Result<Report, RunError>, u64) {
+    let (flat, ramp) = (flat(), ramp());
+    let mis = MultiSample::new(&[(&flat, 600), (&ramp, 500)]).unwrap();
+    let count = AtomicU64::new(0);
+    let counting = |x: &f64| {
+        count.fetch_add(1, Ordering::Relaxed);
+        f(x)
+    };
+    let result = run.execute(&mis, &counting, seed);
+    (result, count.into_inner())
+}
+
+/// The samples that tell one run from another.
+const PROBES: u64 = 2 * 16;
+
+#[test]
+fn a_place_that_cannot_be_written_is_an_error_before_anything_is_run() {
+    let folder = Folder::new();
+    let file = folder.file("file");
+    fs::write(&file, "something").unwrap();
+    let directory = folder.file("directory");
+    fs::create_dir(&directory).unwrap();
+    let mut places = vec![
+        (folder.file("missing").join("run"), "writing"),
+        (file.join("run"), "reading"),
+        (directory, "reading"),
+        (PathBuf::new(), "writing"),
+    ];
+    if Path::new("/proc/version").exists() {
+        // Where not even root can write.
+        places.push((PathBuf::from("/proc/run"), "writing"));
+    }
+    for (path, action) in places {
+        let (result, count) = counted(Run::new(Target::new()).checkpoint(&path), 1);
+        assert!(count <= PROBES, "{count}");
+        let (text, report) = fault(result);
+        assert!(text.contains(action) && text.contains(path.to_str().unwrap()), "{text}");
+        assert!(!report);
+    }
+    assert_eq!(folder.names(), ["directory", "file"]);
+    assert_eq!(fs::read(&file).unwrap(), b"something");
+}
+
+/// No space is left from the start, or from some moment on.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_is_full() {
+    use std::os::unix::fs::symlink;
+    let full = Path::new("/dev/full");
+    if !full.exists() {
+        return;
+    }
+    let folder = Folder::new();
+    let path = folder.file("run");
+    // The name that the file has before it is renamed: writing there fails as on a full disk.
+    let temporary = folder.file(&format!("run.{}.tmp", std::process::id()));
+    symlink(full, &temporary).unwrap();
+    let (result, count) = counted(Run::new(Target::new()).checkpoint(&path), 1);
+    let (text, report) = fault(result);
+    assert!(text.contains("No space left") && !report && count <= PROBES, "{text}");
+    assert!(folder.names().is_empty());
+
+    let watcher = |progress: &mis::Progress| {
+        if progress.samples == 1024 {
+            symlink(full, &temporary).unwrap();
+        }
+        std::ops::ControlFlow::Continue(())
+    };
+    let run = Run::new(Target::new()).threads(1).unwrap().checkpoint(&path);
+    let (result, _) = counted(run.progress(Duration::MAX, watcher), 1);
+    let report = result.unwrap();
+    // The end was saved: the run had another try.
+    let error = report.checkpoint_error().unwrap();
+    assert!(error.to_string().contains("No space left"), "{error}");
+    assert!(report.to_string().contains("No space left"));
+    assert_eq!(folder.names(), ["run"]);
+    let (again, count) = counted(Run::new(Target::new()).checkpoint(&path), 1);
+    assert_eq!((again.unwrap().value(), count), (report.value(), PROBES));
+}
+
+/// The file turns into a folder during the run, so that it cannot be replaced.
+#[test]
+fn a_failure_later_does_not_stop_the_run_but_is_reported() {
+    let folder = Folder::new();
+    let path = folder.file("run");
+    for recovers in [true, false] {
+        let mut calls = 0;
+        let watcher = |_: &mis::Progress| {
+            calls += 1;
+            if calls == 2 {
+                fs::remove_file(&path).unwrap();
+                fs::create_dir(&path).unwrap();
+            } else if calls == 20 && recovers {
+                fs::remove_dir(&path).unwrap();
+            }
+            std::ops::ControlFlow::Continue(())
+        };
+        let run = Run::new(Target::new()).threads(1).unwrap().checkpoint(&path);
+        let run = run.save_every(Duration::ZERO).progress(Duration::ZERO, watcher);
+        let (result, _) = counted(run, 1);
+        let whole = counted(Run::new(Target::new()), 1).0.unwrap();
+        if recovers {
+            let report = result.unwrap();
+            assert_eq!(report.value(), whole.value());
+            let Some(CheckpointError::System { path: named, action: "writing", .. }) =
+                report.checkpoint_error()
+            else {
+                panic!("{report}")
+            };
+            assert_eq!(*named, path);
+            fs::remove_file(&path).unwrap();
+        } else {
+            let error = result.unwrap_err();
+            assert!(matches!(error.fault(), RunFault::Checkpoint(_)));
+            assert_eq!(error.report().unwrap().value(), whole.value());
+            fs::remove_dir(&path).unwrap();
+        }
+        assert!(folder.names().is_empty(), "{:?}", folder.names());
+    }
+}
+
+#[test]
+fn a_file_that_cannot_be_replaced_stays_as_it_is() {
+    let folder = Folder::new();
+    let inner = folder.file("inner");
+    fs::create_dir(&inner).unwrap();
+    let path = inner.join("run");
+    let first = Target::new().samples(1024).unwrap();
+    counted(Run::new(first).checkpoint(&path), 1).0.unwrap();
+    // The folder moves away: the old file is in it.
+    let moved = folder.file("moved");
+    let mut before = Vec::new();
+    let watcher = |_: &mis::Progress| {
+        if inner.exists() {
+            before = fs::read(&path).unwrap();
+            fs::rename(&inner, &moved).unwrap();
+        }
+        std::ops::ControlFlow::Continue(())
+    };
+    let second = Target::new().samples(1100).unwrap();
+    let run = Run::new(second).checkpoint(&path).progress(Duration::ZERO, watcher);
+    let (result, _) = counted(run.threads(1).unwrap(), 1);
+    let error = result.unwrap_err();
+    assert_eq!(error.report().unwrap().samples(), 1100);
+    assert_eq!(error.report().unwrap().stop(), Stop::Samples);
+    assert!(fs::read(moved.join("run")).unwrap() == before);
+    assert_eq!(fs::read_dir(&moved).unwrap().count(), 1);
+}
+
+/// A fault, and a file that fails at the same end are both reported.
+#[test]
+fn a_fault_at_the_end_does_not_hide_that_it_was_not_saved() {
+    let folder = Folder::new();
+    let path = folder.file("run");
+    let flat = flat();
+    let mis = MultiSample::new(&[(&flat, 5000)]).unwrap();
+    let count = AtomicU64::new(0);
+    let planted = |_: &f64| {
+        if count.fetch_add(1, Ordering::Relaxed) < 3000 {
+            return 1.0;
+        }
+        if path.is_file() {
+            fs::remove_file(&path).unwrap();
+            fs::create_dir(&path).unwrap();
+        }
+        f64::NAN
+    };
+    let run = Run::new(Target::new()).threads(1).unwrap().checkpoint(&path);
+    let error = run.execute(&mis, &planted, 1).unwrap_err();
+    assert!(error.to_string().contains("the integrand is NaN"), "{error}");
+    assert!(error.report().unwrap().checkpoint_error().is_some());
+}
+
+struct Damaged<'a> {
+    case: &'a Case,
+    path: PathBuf,
+    sound: Vec<u8>,
+}
+
+impl Damaged<'_> {
+    fn refused(&self, bytes: &[u8]) -> String {
+        assert!(bytes != self.sound);
+        fs::write(&self.path, bytes).unwrap();
+        let outcome = self.case.go(self.case.run().checkpoint(&self.path));
+        let error = outcome.error.expect("a damaged file was continued");
+        assert_eq!((outcome.samples, outcome.numbers.as_str()), (0, ""));
+        assert!(error.contains("damaged.run"), "{error}");
+        assert_eq!(fs::read(&self.path).unwrap(), bytes, "the file was overwritten");
+        error
+    }
+}
+
+/// All bits of `step` apart, as many truncations, and `random` other kinds of damage.
+fn corrupted(step: usize, random: u64) -> u64 {
+    let folder = Folder::new();
+    let case = tally();
+    // Interrupted within a round, with a cut chunk in another.
+    let path = folder.file("damaged.run");
+    let target = Target::new().samples(1100).unwrap();
+    assert_eq!(case.go(Run::new(target).checkpoint(&path)).error, None);
+    let sound = fs::read(&path).unwrap();
+    let damaged = Damaged { case: &case, path, sound: sound.clone() };
+    let mut cases = 0;
+    let mut refused = |bytes: &[u8]| {
+        cases += 1;
+        damaged.refused(bytes)
+    };
+
+    // The header, each bit; the rest, one of `step`.
+    let bits = (0..8 * 40).chain((8 * 40..8 * sound.len()).step_by(step));
+    for bit in bits {
+        let mut bytes = sound.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        let text = refused(&bytes);
+        let expected = match bit / 8 {
+            0..8 => "does not begin like a checkpoint",
+            8..12 => "its format is version",
+            12..20 => "it was cut or joined",
+            _ => "its checksum does not match",
+        };
+        assert!(text.contains(expected), "{bit}: {text}");
+    }
+    for length in (0..40).chain((40..sound.len()).step_by(step)).chain([sound.len() - 1]) {
+        let text = refused(&sound[..length]);
+        let expected = match length {
+            0..8 => format!("it has {length} bytes"),
+            8..28 => format!("it ends after {length} bytes"),
+            _ => "it was cut or joined".into(),
+        };
+        assert!(text.contains(&expected), "{length}: {text}");
+        // The same, filled up with zeros, as after a crash.
+        let mut bytes = sound[..length].to_vec();
+        bytes.resize(sound.len(), 0);
+        refused(&bytes);
+    }
+    let half = sound.len() / 2;
+    refused(&[&sound[half..], &sound[..half]].concat());
+    refused(&[&sound[..20], &sound[half..], &sound[20..half]].concat());
+    refused(&[&sound[..], &sound[..]].concat());
+    refused(&[&sound[..], &[0]].concat());
+    refused(&[&sound[1..], &[0]].concat());
+    refused(b"mis-run\n");
+    refused("{\"samples\": 3}".as_bytes());
+    refused(&vec![0; sound.len()]);
+    refused(&vec![0xff; sound.len()]);
+
+    let mut dice = Dice(11);
+    for number in 0..random {
+        let mut bytes = sound.clone();
+        let at = |dice: &mut Dice| usize::try_from(dice.below(sound.len() as u64)).unwrap();
+        match number % 4 {
+            0 => {
+                for _ in 0..2 + dice.below(20) {
+                    let at = at(&mut dice);
+                    bytes[at] ^= 1 + u8::try_from(dice.below(255)).unwrap();
+                }
+            }
+            1 => {
+                // A sector of something else.
+                let (start, length) = (at(&mut dice), at(&mut dice).min(512) + 1);
+                for byte in bytes.iter_mut().skip(start).take(length) {
+                    *byte = u8::try_from(dice.below(256)).unwrap();
+                }
+            }
+            2 => {
+                let (a, b) = (at(&mut dice), at(&mut dice));
+                bytes.swap(a, b);
+            }
+            _ => {
+                for _ in 0..=dice.below(64) {
+                    let byte = u8::try_from(dice.below(256)).unwrap();
+                    bytes.insert(at(&mut dice), byte);
+                }
+            }
+        }
+        if bytes != sound {
+            refused(&bytes);
+        }
+    }
+    // What was not damaged is still good.
+    fs::write(&damaged.path, &sound).unwrap();
+    assert_eq!(case.go(case.run().checkpoint(&damaged.path)), case.whole());
+    cases
+}
+
+#[test]
+fn damaged_files_are_refused() {
+    let cases = corrupted(31, 8000);
+    assert!(cases > 10_000, "{cases}");
+}
+
+/// A file with a correct checksum, but of a version that this build does not know.
+#[test]
+fn another_version() {
+    let folder = Folder::new();
+    let case = &cases()[0];
+    let path = folder.file("damaged.run");
+    case.go(case.run().checkpoint(&path));
+    let sound = fs::read(&path).unwrap();
+    let crc = crc::Crc::<u64>::new(&crc::CRC_64_XZ);
+    let with_version = |version: u32| {
+        let mut bytes = sound[..sound.len() - 8].to_vec();
+        bytes[8..12].copy_from_slice(&version.to_le_bytes());
+        let checksum = crc.checksum(&bytes);
+        bytes.extend(checksum.to_le_bytes());
+        bytes
+    };
+    let damaged = Damaged { case, path, sound: sound.clone() };
+    let version = u32::from_le_bytes(sound[8..12].try_into().unwrap());
+    assert_eq!(with_version(version), sound);
+    for other in [0, version + 1, u32::MAX] {
+        let text = damaged.refused(&with_version(other));
+        assert!(
+            text.contains(&format!("is version {other}; this build reads {version}")),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn files_of_other_runs_are_refused_and_kept() {
+    let folder = Folder::new();
+    let path = folder.file("run");
+    let (a, b) = (flat(), ramp());
+    let multi = |n: u64| MultiSample::new(&[(&a, n), (&b, 500)]).unwrap();
+    let target = Target::new().samples(1100).unwrap();
+    let run = || Run::new(target).checkpoint(&path).label("mine");
+    run().execute(&multi(600), &f, 1).unwrap();
+    let before = fs::read(&path).unwrap();
+    let refused = |(text, report): (String, bool), expected: &str| {
+        assert!(text.contains("it is of another run") && text.contains(expected), "{text}");
+        assert!(!report);
+        assert_eq!(fs::read(&path).unwrap(), before);
+        assert_eq!(folder.names(), ["run"]);
+    };
+    let first = "its first samples contribute something else";
+    refused(fault(run().execute(&multi(600), &f, 2)), first);
+    refused(fault(run().execute(&multi(600), &|x: &f64| f(x) * (1.0 + 1e-15), 1)), first);
+    let narrow = Uniform::new(0.0, 1.999_999_999).unwrap();
+    let other = MultiSample::new(&[(&narrow, 600), (&b, 500)]).unwrap();
+    refused(fault(run().execute(&other, &f, 1)), first);
+    let swapped = MultiSample::new(&[(&b, 600), (&a, 500)]).unwrap();
+    refused(fault(run().execute(&swapped, &f, 1)), first);
+    let nan = |x: &f64| if *x > 1.0 { f64::NAN } else { f(x) };
+    refused(fault(run().execute(&multi(600), &nan, 1)), first);
+    let panics = |x: &f64| if *x > 1.0 { panic!("planted") } else { f(x) };
+    crate::common::quiet();
+    refused(fault(run().execute(&multi(600), &panics, 1)), first);
+
+    let shares = "its estimator is \"multi-sample, shares [0.5454";
+    refused(fault(run().execute(&multi(601), &f, 1)), shares);
+    let three = MultiSample::new(&[(&a, 600), (&b, 500), (&a, 1)]).unwrap();
+    refused(fault(run().execute(&three, &f, 1)), shares);
+    let squared = multi(600).weighting(Power::squared()).unwrap();
+    refused(fault(run().execute(&squared, &f, 1)), "weighting Power");
+    let lenient = multi(600).on_fault(OnFault::count_as_zero(0.5).unwrap());
+    refused(fault(run().execute(&lenient, &f, 1)), "at most 0.5 may be faults");
+    let one = OneSample::new(&[(&a, 0.5), (&b, 0.5)], 1100).unwrap();
+    refused(fault(run().execute(&one, &f, 1)), "one-sample, probabilities");
+
+    let two = |x: &f64| [f(x), f(x)];
+    refused(fault(run().execute(&multi(600), &two, 1)), "its number of components is 1, not 2");
+    let points = mis::points::Random::new(1);
+    let with_sums = run().tally(&multi(600), &f, &points, 3, |_, _| ());
+    refused(fault(with_sums), "its number of sums is 0, not 3");
+    let label = run().label("yours").execute(&multi(600), &f, 1);
+    refused(fault(label), "its label is \"mine\", not \"yours\"");
+    let none = Run::new(target).checkpoint(&path).execute(&multi(600), &f, 1);
+    refused(fault(none), "its label is \"mine\", not \"\"");
+    let shard = run().shard(0, 2).unwrap().execute(&multi(600), &f, 1);
+    refused(fault(shard), "it is shard 0 of 1, not shard 0 of 2");
+
+    // The same shares, in other numbers, and the same points by another way, are the same run.
+    let doubled = MultiSample::new(&[(&a, 1200), (&b, 1000)]).unwrap();
+    assert_eq!(run().execute(&doubled, &f, 1).unwrap().samples(), 1100);
+    assert!(run().execute_from(&doubled, &f, &points).is_ok());
+}
+
+/// With files every few microseconds, none is ever half there.
+#[test]
+fn there_is_a_whole_file_at_any_time() {
+    let folder = Folder::new();
+    let path = folder.file("run");
+    let done = std::sync::atomic::AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let reader = scope.spawn(|| {
+            let (mut seen, mut reads) = (0, 0);
+            while !done.load(Ordering::Relaxed) {
+                if let Ok(bytes) = fs::read(&path) {
+                    let (body, checksum) = bytes.split_at(bytes.len() - 8);
+                    let crc = crc::Crc::<u64>::new(&crc::CRC_64_XZ);
+                    assert_eq!(crc.checksum(body).to_le_bytes(), checksum);
+                    seen += 1;
+                }
+                reads += 1;
+            }
+            (seen, reads)
+        });
+        let run = Run::new(Target::new().samples(60_000).unwrap()).threads(2).unwrap();
+        counted(run.checkpoint(&path).save_every(Duration::ZERO), 1).0.unwrap();
+        done.store(true, Ordering::Relaxed);
+        assert!(reader.join().unwrap().0 > 0);
+    });
+    assert_eq!(folder.names(), ["run"]);
+}
+
+/// An integrand with its own batches is asked for the same points.
+#[test]
+fn an_integrand_with_batches_has_the_same_file() {
+    struct Batch;
+    impl Integrand<f64> for Batch {
+        type Value = f64;
+        fn eval(&self, _: &f64) -> f64 {
+            f64::NAN
+        }
+        fn eval_batch(&self, xs: &[f64], out: &mut [f64]) {
+            out.iter_mut().zip(xs).for_each(|(out, x)| *out = f(x));
+        }
+    }
+    let folder = Folder::new();
+    let flat = flat();
+    let mis = MultiSample::new(&[(&flat, 3000)]).unwrap();
+    let run = |name: &str| Run::new(Target::new()).checkpoint(folder.file(name));
+    let one = run("one").execute(&mis, &Batch, 1).unwrap();
+    let two = run("two").execute(&mis, &f, 1).unwrap();
+    assert_eq!(one.value(), two.value());
+    assert_eq!(run("one").execute(&mis, &f, 1).unwrap().value(), one.value());
+}

@@ -1,0 +1,19 @@
+//! Runs: the same bits however they are driven, and what becomes of faults.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+mod bits;
+mod checkpoints;
+mod common;
+mod faults;
+mod interruption;
+mod judgement;
+mod kill;
+mod progress;
+mod schedules;
+mod shards;
