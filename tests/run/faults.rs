@@ -62,6 +62,22 @@ fn a_nan_is_an_error_that_names_the_sample() {
     one_in(300_000, 123_456);
 }
 
+/// The rest of the round would be drawn in vain.
+#[test]
+fn nothing_is_drawn_after_a_fault() {
+    let flat = flat();
+    let mis = MultiSample::new(&[(&flat, 1)]).unwrap();
+    let bad = point(&flat, 0, 17_000);
+    let count = AtomicU64::new(0);
+    let planted = |x: &f64| {
+        count.fetch_add(1, Ordering::Relaxed);
+        if *x == bad { f64::NAN } else { f(x) }
+    };
+    let error = run(1 << 20, 1).execute(&mis, &planted, 1).unwrap_err();
+    assert_eq!(error.report().unwrap().samples(), 16_896);
+    assert!(count.into_inner() <= 16_896 + 512);
+}
+
 #[test]
 #[ignore = "10^7 samples"]
 fn a_nan_at_one_sample_in_ten_million() {
