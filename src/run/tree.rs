@@ -95,10 +95,11 @@ mod tests {
     use crate::moments::Moments;
     use crate::part::{Contributions, Counts, Extreme, Part};
 
-    /// What a chunk of two samples came to; sums of any two are rounded.
+    /// What a chunk of two samples came to; sums of any two are rounded. All extremes are equal, so
+    /// that of several nodes the first shows.
     fn node(k: u64) -> Node {
         let ys = [(k as f64 + 0.1).sqrt(), 1.0 / (k as f64 + 0.3)];
-        let extreme = Extreme { y: ys[0], index: k };
+        let extreme = Extreme { y: 1.0, index: k };
         Node {
             part: Part {
                 contributions: vec![Contributions { moments: Moments::of_block(&ys), extreme }],
@@ -139,6 +140,12 @@ mod tests {
         assert_eq!(tree(0..4).total(), Some(four.clone()));
         let seven = four.merge(&pair(4).merge(&node(6)));
         assert_eq!(tree(0..7).total(), Some(seven.clone()));
+        assert_eq!(seven.part.contributions[0].extreme.index, 0);
+        // The halves of a hundred: 64, 32 and 4.
+        let total = |range| tree(range).total().unwrap();
+        let hundred = total(0..64).merge(&total(64..96).merge(&total(96..100)));
+        assert_eq!(total(0..100), hundred);
+        assert_ne!(total(0..64).merge(&total(64..96)).merge(&total(96..100)), hundred);
         // In another order, other bits.
         assert_ne!(Some((1..7).fold(node(0), |sum, k| sum.merge(&node(k)))), tree(0..7).total());
         assert_eq!(seven.part.counts[0].samples, 14);

@@ -91,7 +91,9 @@ fn a_disk_that_is_full() {
     assert!(text.contains("No space left") && !report && count <= PROBES, "{text}");
     assert!(folder.names().is_empty());
 
+    let mut unsaved = Vec::new();
     let watcher = |progress: &mis::Progress| {
+        unsaved.push((progress.samples, progress.unsaved));
         if progress.samples == 1024 {
             symlink(full, &temporary).unwrap();
         }
@@ -101,9 +103,9 @@ fn a_disk_that_is_full() {
     let (result, _) = counted(run.progress(Duration::MAX, watcher), 1);
     let report = result.unwrap();
     // The end was saved: the run had another try.
-    let error = report.checkpoint_error().unwrap();
-    assert!(error.to_string().contains("No space left"), "{error}");
-    assert!(report.to_string().contains("No space left"));
+    assert_eq!(unsaved, [(1024, false), (1100, true)]);
+    assert!(report.checkpoint_error().is_none(), "{report}");
+    assert!(!report.to_string().contains("No space left"), "{report}");
     assert_eq!(folder.names(), ["run"]);
     let (again, count) = counted(Run::new(Target::new()).checkpoint(&path), 1);
     assert_eq!((again.unwrap().value(), count), (report.value(), PROBES));
@@ -111,17 +113,20 @@ fn a_disk_that_is_full() {
 
 /// The file turns into a folder during the run, so that it cannot be replaced.
 #[test]
-fn a_failure_later_does_not_stop_the_run_but_is_reported() {
+fn a_failure_later_does_not_stop_the_run_but_is_shown() {
     let folder = Folder::new();
     let path = folder.file("run");
     for recovers in [true, false] {
-        let mut calls = 0;
-        let watcher = |_: &mis::Progress| {
+        let (mut calls, mut unsaved) = (0, Vec::new());
+        let watcher = |progress: &mis::Progress| {
             calls += 1;
+            if progress.unsaved {
+                unsaved.push(calls);
+            }
             if calls == 2 {
                 fs::remove_file(&path).unwrap();
                 fs::create_dir(&path).unwrap();
-            } else if calls == 20 && recovers {
+            } else if calls == 10 && recovers {
                 fs::remove_dir(&path).unwrap();
             }
             std::ops::ControlFlow::Continue(())
@@ -133,17 +138,29 @@ fn a_failure_later_does_not_stop_the_run_but_is_reported() {
         if recovers {
             let report = result.unwrap();
             assert_eq!(report.value(), whole.value());
-            let Some(CheckpointError::System { path: named, action: "writing", .. }) =
-                report.checkpoint_error()
-            else {
-                panic!("{report}")
-            };
-            assert_eq!(*named, path);
+            assert!(report.checkpoint_error().is_none(), "{report}");
+            // Each call comes after an attempt to save, and from the tenth on they succeed.
+            assert_eq!(unsaved, (3..=10).collect::<Vec<_>>());
+            let (again, count) = counted(Run::new(Target::new()).checkpoint(&path), 1);
+            assert_eq!((again.unwrap().value(), count), (whole.value(), PROBES));
             fs::remove_file(&path).unwrap();
         } else {
             let error = result.unwrap_err();
-            assert!(matches!(error.fault(), RunFault::Checkpoint(_)));
-            assert_eq!(error.report().unwrap().value(), whole.value());
+            let RunFault::Checkpoint(CheckpointError::System {
+                path: named,
+                action: "writing",
+                ..
+            }) = error.fault()
+            else {
+                panic!("{error}")
+            };
+            assert_eq!(*named, path);
+            let report = error.report().unwrap();
+            assert_eq!((report.value(), report.stop()), (whole.value(), Stop::Samples));
+            // The failure is the error itself.
+            assert!(report.checkpoint_error().is_none());
+            // 16 and 2 chunks, and the ends of two rounds.
+            assert_eq!(unsaved, (3..=20).collect::<Vec<_>>());
             fs::remove_dir(&path).unwrap();
         }
         assert!(folder.names().is_empty(), "{:?}", folder.names());

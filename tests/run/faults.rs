@@ -50,7 +50,7 @@ fn one_in(samples: u64, index: u64) {
         assert_eq!(value, "NaN");
         let report = error.report().unwrap();
         // The chunk of the sample is missing, and nothing before it.
-        assert!(2 * index - report.samples() < 4096, "{}", report.samples());
+        assert!(2 * index - report.samples() < 8192, "{}", report.samples());
         let before = run(report.samples(), 1).execute(&mis, &f, 1).unwrap();
         assert_eq!(Outcome::of(report).numbers, Outcome::of(&before).numbers);
         assert_eq!(report.stop(), Stop::Fault);
@@ -60,6 +60,23 @@ fn one_in(samples: u64, index: u64) {
 #[test]
 fn a_nan_is_an_error_that_names_the_sample() {
     one_in(300_000, 123_456);
+}
+
+/// The rest of the round would be drawn in vain.
+#[test]
+fn nothing_is_drawn_after_a_fault() {
+    let flat = flat();
+    let mis = MultiSample::new(&[(&flat, 1)]).unwrap();
+    let bad = point(&flat, 0, 17_000);
+    let count = AtomicU64::new(0);
+    let planted = |x: &f64| {
+        count.fetch_add(1, Ordering::Relaxed);
+        if *x == bad { f64::NAN } else { f(x) }
+    };
+    let error = run(1 << 20, 1).execute(&mis, &planted, 1).unwrap_err();
+    // A chunk has 1024 samples here.
+    assert_eq!(error.report().unwrap().samples(), 1 << 14);
+    assert!(count.into_inner() <= (1 << 14) + 1024);
 }
 
 #[test]
@@ -107,12 +124,12 @@ fn of_several_faults_the_first_is_reported_by_any_number_of_threads() {
 fn a_fault_in_the_first_chunk_leaves_no_report() {
     let flat = flat();
     let mis = MultiSample::new(&[(&flat, 1)]).unwrap();
-    let bad = point(&flat, 0, 31);
+    let bad = point(&flat, 0, 63);
     let error = run(5000, 1).execute(&mis, &|x: &f64| bad / (bad - x), 1).unwrap_err();
-    assert!(error.report().is_none() && error.to_string().contains("sample 31"), "{error}");
-    let bad = point(&flat, 0, 32);
+    assert!(error.report().is_none() && error.to_string().contains("sample 63"), "{error}");
+    let bad = point(&flat, 0, 64);
     let error = run(5000, 1).execute(&mis, &|x: &f64| bad / (bad - x), 1).unwrap_err();
-    assert_eq!(error.report().unwrap().samples(), 32);
+    assert_eq!(error.report().unwrap().samples(), 64);
 }
 
 #[test]
@@ -207,7 +224,7 @@ fn a_panic_in_a_worker_is_an_error() {
                 tally.add(0, when(*sample.x()));
             })),
         ] {
-            assert!((first..=last).contains(&10_000) && last - first == 255, "{first} {last}");
+            assert!((first..=last).contains(&10_000) && last - first == 511, "{first} {last}");
             assert_eq!((message, before), (format!("planted at {bad}"), first));
         }
     }

@@ -50,6 +50,7 @@ fn once_a_round() {
     let rounds: Vec<u32> = seen.iter().map(|progress| progress.round).collect();
     assert_eq!(rounds, [0, 1, 2, 3]);
     for (progress, round) in seen.iter().zip(report.rounds()) {
+        assert!(!progress.confirming && !progress.unsaved);
         assert_eq!(progress.value, round.cumulative.value());
         assert_eq!(progress.standard_error, round.cumulative.standard_error());
         assert_eq!((progress.limit, progress.excess), (5000, None));
@@ -65,16 +66,17 @@ fn once_a_round() {
 fn after_every_chunk_of_the_calling_thread() {
     let (seen, report) = calls(Run::new(to(2400)), Duration::ZERO);
     assert_eq!(report.samples(), 2400);
-    // 32, 32 and 6 chunks, and the ends of three rounds.
-    assert_eq!(seen.len(), 32 + 32 + 6 + 3);
-    for (k, progress) in seen.iter().enumerate().take(32) {
-        let samples = 32 * (k as u64 + 1);
+    // 16, 16 and 3 chunks, and the ends of three rounds.
+    assert_eq!(seen.len(), 16 + 16 + 3 + 3);
+    for (k, progress) in seen.iter().enumerate().take(16) {
+        let samples = 64 * (k as u64 + 1);
         let prefix = go(Run::new(to(samples)));
         assert_eq!((progress.round, progress.samples), (0, samples));
         assert_eq!(progress.value, prefix.value());
         assert_eq!(progress.standard_error, prefix.standard_error());
     }
-    assert_eq!((seen[33].round, seen[33].samples), (1, 1024 + 32));
+    assert_eq!((seen[16].round, seen[16].samples), (0, 1024));
+    assert_eq!((seen[17].round, seen[17].samples), (1, 1024 + 64));
     assert_eq!(seen.last().unwrap().samples, 2400);
     assert_eq!(seen.last().unwrap().value, report.value());
 }
@@ -115,13 +117,26 @@ fn a_tolerance() {
         let half = (interval.upper - value).max(value - interval.lower);
         assert!((progress.excess.unwrap() / (half / 0.004) - 1.0).abs() < 1e-12);
         assert_eq!(progress.limit, 1 << 53);
-        // Twice the samples that the tolerance with its margin takes.
-        let needed = 2.0 * progress.samples as f64 * (1.1 * progress.excess.unwrap()).powi(2);
-        let remaining = (needed - progress.samples as f64).max(0.0) / progress.rate;
+        // To the end of a round that has what the tolerance with its margin takes, and of the next.
+        let needed = progress.samples as f64 * (1.1 * progress.excess.unwrap()).powi(2);
+        let mut last = progress.samples;
+        while !progress.confirming && (last as f64) < needed {
+            last *= 2;
+        }
+        if !progress.confirming {
+            last *= 2;
+        }
+        let remaining = (last - progress.samples) as f64 / progress.rate;
         assert!(
             (progress.remaining.unwrap().as_secs_f64() - remaining).abs() < 1e-6 + 1e-6 * remaining
         );
     }
+    // A round confirms if the tolerance was reached with its margin before it.
+    assert!(seen.len() > 2 && seen[seen.len() - 1].confirming && !seen[0].confirming);
+    for pair in seen.windows(2) {
+        assert_eq!(pair[1].confirming, 1.1 * pair[0].excess.unwrap() <= 1.0, "{pair:?}");
+    }
+    assert_eq!(seen[seen.len() - 1].remaining, Some(Duration::ZERO));
     let text = report.to_string();
     let confirming = report.estimate().samples();
     assert!(text.contains(&format!("of which {confirming} confirm and are reported")), "{text}");
@@ -162,18 +177,21 @@ fn a_slow_callback_does_not_hold_up_other_threads() {
     };
     let mut first = true;
     let watcher = |progress: &Progress| {
-        if progress.round == 4 && std::mem::take(&mut first) {
-            let before = count.load(Ordering::Relaxed);
+        let before = count.load(Ordering::Relaxed);
+        // The other thread may have a chunk in hand, and must have others to draw.
+        let chunk = (1 << progress.round) * 512 / 16;
+        let left = 4 * chunk <= (1024 << progress.round) - before;
+        if first && progress.round >= 4 && left {
+            first = false;
             let began = std::time::Instant::now();
-            // A chunk has 256 samples here, and the other thread may have one in hand.
-            while count.load(Ordering::Relaxed) < before + 3 * 256 {
+            while count.load(Ordering::Relaxed) < before + 3 * chunk {
                 assert!(began.elapsed() < Duration::from_secs(60), "the other thread waits");
                 std::thread::yield_now();
             }
         }
         Continue(())
     };
-    let run = Run::new(to(1 << 14)).threads(2).unwrap().progress(Duration::ZERO, watcher);
+    let run = Run::new(to(1 << 16)).threads(2).unwrap().progress(Duration::ZERO, watcher);
     run.execute(&mis, &counting, 1).unwrap();
     assert!(!first);
 }
@@ -218,14 +236,16 @@ fn cancelled_from_another_thread() {
         Run::new(to(1 << 50)).cancel(&cancel).execute(&mis, &counting, 1).unwrap()
     });
     assert_eq!(report.stop(), Stop::Cancelled);
-    assert!(report.samples() >= 4096 && report.to_string().contains("cancelled; cancelled"));
+    assert!(
+        report.samples() >= 4096 && report.to_string().contains(", incomplete; it was cancelled\n")
+    );
     assert!(!Cancel::default().is_cancelled());
 }
 
 #[test]
 fn checkpoints_at_rounds_and_at_intervals() {
     let folder = Folder::new();
-    for (every, at_least, at_most) in [(Duration::ZERO, 60, 80), (Duration::MAX, 3, 4)] {
+    for (every, at_least, at_most) in [(Duration::ZERO, 35, 38), (Duration::MAX, 3, 4)] {
         let path = folder.file(&format!("{every:?}"));
         let mut files = HashSet::new();
         let watcher = |_: &Progress| {
@@ -248,9 +268,9 @@ fn every_setting_is_printed() {
     for line in [
         "target: at most 2400 samples",
         "estimator: multi-sample, shares [0.6666666666666666, 0.3333333333333333], weighting Balance",
-        "seed: 1",
+        "points: Random { seed: 1 }",
         "threads: 3",
-        &format!("checkpoint: {} every 2.5 s", path.display()),
+        &format!("checkpoint: {}, every 2.5 s", path.display()),
         "label: mine",
         "shard: 1 of 2",
     ] {
@@ -262,6 +282,8 @@ fn every_setting_is_printed() {
     }
     assert!(text.contains(", budget spent; all samples are drawn\n95 % interval: ["), "{text}");
     assert!(text.contains("2400 samples; 2400 in "), "{text}");
+    let agreement = |line: &&str| line.starts_with("rounds against each other: chi2/dof ");
+    assert_eq!(text.lines().filter(agreement).count(), 1, "{text}");
     assert_eq!(
         text.lines().filter(|line| line.trim_start().starts_with("2 ")).count(),
         1,
