@@ -7,7 +7,7 @@
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use crc::{CRC_64_XZ, Crc};
 use serde::{Deserialize, Serialize};
@@ -131,8 +131,11 @@ pub(super) fn load(path: &Path) -> Result<Option<Saved>, CheckpointError> {
 
 /// Puts the run into the file at `path`, all of it or nothing.
 pub(super) fn save(path: &Path, saved: &Saved) -> Result<(), CheckpointError> {
+    // Two runs of this process may save to one file: they would share the temporary file, too.
+    static WRITING: Mutex<()> = Mutex::new(());
     let bytes =
         encode(saved).map_err(|problem| CheckpointError::Damaged { path: path.into(), problem })?;
+    let _alone = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
     let temporary = beside(path);
     let write = || {
         let mut file = File::create(&temporary)?;
@@ -162,12 +165,10 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A name in the same folder that no other process has, nor another run of this one.
+/// A name in the same folder that no other process has.
 fn beside(path: &Path) -> PathBuf {
-    static NUMBER: AtomicU64 = AtomicU64::new(0);
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-    name.push(format!(".{}.{number}.tmp", std::process::id()));
+    name.push(format!(".{}.tmp", std::process::id()));
     path.with_file_name(name)
 }
 
@@ -304,14 +305,9 @@ mod tests {
 
     #[test]
     fn the_temporary_file_is_in_the_same_folder() {
-        let (first, second) = (beside(Path::new("a/b/run.ckpt")), beside(Path::new("run.ckpt")));
-        let start = format!("run.ckpt.{}.", std::process::id());
-        for (path, folder) in [(&first, "a/b"), (&second, "")] {
-            assert_eq!(path.parent(), Some(Path::new(folder)));
-            let name = path.file_name().unwrap().to_str().unwrap();
-            assert!(name.starts_with(&start) && name.ends_with(".tmp"), "{name}");
-        }
-        assert_ne!(first.file_name(), second.file_name());
+        let name = format!("run.ckpt.{}.tmp", std::process::id());
+        assert_eq!(beside(Path::new("a/b/run.ckpt")), Path::new("a/b").join(&name));
+        assert_eq!(beside(Path::new("run.ckpt")), Path::new(&name));
         assert_eq!(folder_of(Path::new("a/b/run.ckpt")), Path::new("a/b"));
         assert_eq!(folder_of(Path::new("run.ckpt")), Path::new("."));
     }
