@@ -166,7 +166,7 @@ impl<V: Value> Estimate<V> {
     /// # Errors
     ///
     /// `level` must be greater than 0 and less than 1; the bounds must be finite and in order, and
-    /// the contribution of the largest magnitude must lie between them.
+    /// the contribution of the largest magnitude must lie between them (others are not looked at).
     pub fn interval_within(
         &self,
         level: f64,

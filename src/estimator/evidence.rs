@@ -9,9 +9,12 @@ use crate::moments::Moments;
 use crate::tail::Tail;
 
 /// How many samples of each technique are looked at in a range.
-const LOOK: usize = 256;
+const LOOK: usize = 512;
 
-/// A closer look at some of the samples of a range: the first of each technique, up to 256.
+/// The most techniques whose densities are compared.
+const PAIRED: usize = 64;
+
+/// A closer look at some of the samples of a range: the first of each technique, up to 512.
 ///
 /// The first chunks of a run hold no more than that, and are looked at as a whole; of full ones,
 /// the look would cost too much.
@@ -25,7 +28,8 @@ pub struct Evidence {
     /// The mean of 1 + d over all samples, each technique by its share α_i, has the expectation
     /// ∫ p_k = 1, if every technique samples the pdf that it states and the pdf integrates to 1.
     /// NaN if some density left the range of `f64`; zeros where only one technique has samples,
-    /// and where the weights are constant.
+    /// and where the weights are constant; empty for more than 64 techniques, of which the pairs
+    /// would cost more than the samples.
     pub(crate) densities: Vec<[f64; 2]>,
 }
 
@@ -43,7 +47,10 @@ impl Evidence {
         Self {
             tails: thresholds.iter().copied().map(Tail::above).collect(),
             seen: vec![Seen::default(); techniques],
-            densities: vec![[0.0; 2]; techniques * techniques],
+            densities: vec![
+                [0.0; 2];
+                if techniques > PAIRED { 0 } else { techniques * techniques }
+            ],
         }
     }
 
@@ -90,7 +97,7 @@ impl Evidence {
     ) {
         let techniques = alpha.len();
         let active = || rows.clone().zip(alpha).enumerate().filter(|(_, (_, alpha))| **alpha > 0.0);
-        if active().count() < 2 {
+        if self.densities.is_empty() || active().count() < 2 {
             return;
         }
         for (n, (_, (row, alpha))) in active().enumerate() {

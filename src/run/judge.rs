@@ -135,9 +135,13 @@ impl<V: Value> Judged<V> {
         if samples > 0 && !self.has_signal(target) {
             return Status::NoSignal { at_most: (3.0 / samples as f64).min(1.0) };
         }
-        let doubts = self.doubts(frame, target, gate);
+        let mut doubts = self.doubts(frame, target, gate);
+        let equal = |c: &usize| target.counts(*c) && self.estimate.error_of(*c) == Some(0.0);
+        let at_most = (3.0 / samples as f64).min(1.0);
+        let constant = |component| Doubt::Constant { component, at_most };
+        doubts.extend((0..V::COMPONENTS).filter(equal).map(constant));
         match stop {
-            _ if !doubts.is_empty() && samples > 0 => Status::Suspect(doubts),
+            _ if !doubts.is_empty() => Status::Suspect(doubts),
             Stop::Tolerance => Status::Converged,
             Stop::Samples | Stop::Time => Status::BudgetSpent,
             Stop::Cancelled | Stop::Fault => Status::Cancelled,
@@ -245,7 +249,7 @@ mod tests {
     #[test]
     fn densities_whose_ratio_does_not_vary() {
         let of = |d: f64| {
-            let d = [[d, 0.0]; 3000];
+            let d = vec![[d, 0.0]; 3000];
             scores([0.5, 0.5], [&d, &d])
         };
         // Within rounding of each other, off by 1 %, and the same.

@@ -50,6 +50,8 @@
 //! - k̂, the shape of the tail, [`Report::k_hat`], at 1/2 or above: the variance may be infinite. (Of a
 //!   confirming round, above 0.7.)
 //! - Fewer than 30 contributions that are not 0, of a technique that matters or of all.
+//! - Contributions that are all equal: their error of 0 reaches any tolerance, but may be for want of
+//!   others.
 //! - Samples that do not agree with the pdfs, [`Report::density_scores`].
 //!
 //! A region that no technique reaches, and a peak that no sample has met, cannot be seen.
@@ -248,7 +250,8 @@ impl<'a> Run<'a> {
     /// to `sums` sums: a histogram, say, or integrals of f times something.
     ///
     /// The sums come with standard errors, in [`Report::tallied`], and are as reproducible as the
-    /// value. `observe` is called on several threads; it must be a function of the sample.
+    /// value. `observe` is called on several threads; it must be a function of the sample. Where a
+    /// run is interrupted, it may be shown samples that do not count in the end.
     ///
     /// ```
     /// use mis::points::Random;

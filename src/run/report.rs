@@ -91,8 +91,9 @@ impl<V: Value> Report<V> {
 
     /// How many samples the run drew in all its rounds, those of earlier sessions included.
     ///
-    /// A run with that many as its target gives the same bits, however this one was ended. The
-    /// techniques' own samples may add to a few less: the share of each is rounded down.
+    /// A run with that many as its target draws the same samples, however this one was ended; unless
+    /// it converged, the estimate has the same bits. The techniques' own samples may add to a few
+    /// less: the share of each is rounded down.
     #[must_use]
     pub fn samples(&self) -> u64 {
         self.samples

@@ -72,6 +72,15 @@ pub enum Doubt {
         /// How many are not 0.
         contributions: u64,
     },
+    /// All contributions are equal, so that the error is 0. If they are not so everywhere, then at 95 %
+    /// confidence at most the part `at_most` of all samples have another: 3 / N, the rule of three.
+    #[non_exhaustive]
+    Constant {
+        /// The component.
+        component: usize,
+        /// 3 / N, or 1 if that is more.
+        at_most: f64,
+    },
     /// The contributions are so skewed that their mean is not close to normal: κ is large.
     #[non_exhaustive]
     Skewed {
@@ -115,6 +124,11 @@ impl Display for Doubt {
             Self::FewContributions { technique: Some(technique), contributions } => {
                 write!(f, "only {contributions} contributions of technique {technique} are not 0")
             }
+            Self::Constant { component, at_most } => write!(
+                f,
+                "all contributions to component {component} are equal: the error is 0 if they always \
+                 are; at 95 % confidence, at most {at_most:.1e} of them are not"
+            ),
             Self::Skewed { component, kappa } => write!(
                 f,
                 "the contributions to component {component} are too skewed for so few samples \

@@ -35,8 +35,8 @@ pub struct Target {
 /// What the tolerance of a [`Target`] bounds, where the integrand has several components.
 ///
 /// With e_c the half-width of the interval of component c and F_c its value, a tolerance is
-/// reached if this holds. Components without any contribution that is not 0 are left out as long as
-/// another has one: they may be 0, or rare beyond the samples, and their error is unknown.
+/// reached if this holds. Components without any contribution that is not 0 are left out as long as another has one: they
+/// may be 0, or rare beyond the samples, and their error is unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Norm {

@@ -208,12 +208,15 @@ fn an_infinite_variance_does_not_converge() {
 }
 
 #[test]
-fn a_constant_has_no_error_and_converges_at_once() {
+fn a_constant_has_no_error_ends_at_once_and_is_doubted() {
     let flat = Uniform::new(0.0, 3.0).unwrap();
     let mis = MultiSample::new(&[(&flat, 1)]).unwrap();
     let target = Target::new().relative(1e-12).unwrap();
     let report = Run::new(target).execute(&mis, &|_: &f64| 0.7, 1).unwrap();
-    assert_eq!((report.stop(), report.status()), (Stop::Tolerance, &Status::Converged));
+    assert_eq!(report.stop(), Stop::Tolerance);
+    let Status::Suspect(doubts) = report.status() else { panic!("{}", report.status()) };
+    let [Doubt::Constant { component: 0, at_most, .. }] = doubts[..] else { panic!("{doubts:?}") };
+    assert_eq!(at_most, 3.0 / 1024.0);
     assert_eq!((report.samples(), report.estimate().samples()), (2048, 1024));
     assert!((report.value() / 2.1 - 1.0).abs() < 1e-15);
     assert_eq!(report.standard_error(), Some(0.0));
