@@ -9,12 +9,12 @@ use crate::moments::Moments;
 use crate::tail::Tail;
 
 /// How many samples of each technique are looked at in a range.
-const LOOK: usize = 512;
+const LOOK: usize = 384;
 
 /// The most techniques whose densities are compared.
 const PAIRED: usize = 64;
 
-/// A closer look at some of the samples of a range: the first of each technique, up to 512.
+/// A closer look at some of the samples of a range: the first of each technique, up to 384.
 ///
 /// The first chunks of a run hold no more than that, and are looked at as a whole; of full ones,
 /// the look would cost too much.

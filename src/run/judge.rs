@@ -141,6 +141,7 @@ impl<V: Value> Judged<V> {
         let constant = |component| Doubt::Constant { component, at_most };
         doubts.extend((0..V::COMPONENTS).filter(equal).map(constant));
         match stop {
+            Stop::Cancelled | Stop::Fault if samples == 0 => Status::Cancelled,
             _ if !doubts.is_empty() => Status::Suspect(doubts),
             Stop::Tolerance => Status::Converged,
             Stop::Samples | Stop::Time => Status::BudgetSpent,
