@@ -68,7 +68,7 @@ fn golden_values() {
         0x3f60_22ea_8e22_5971,
         0x3f57_b5eb_dcbb_b3ae,
         0x3f10_f7ea_8b4a_2a11,
-        0x3ff8_bafd_eedb_d14f,
+        0x3ff7_a1aa_b3d0_3097,
         0x3fea_5edc_343a_21c8,
         0x3f5f_e921_472b_b2ca,
         0x3feb_b859_f1ea_6f84,
