@@ -11,6 +11,7 @@ mod bits;
 mod checkpoints;
 mod common;
 mod faults;
+mod identity;
 mod interruption;
 mod judgement;
 mod kill;

@@ -133,24 +133,25 @@ fn constant_ratios_of_densities() {
 }
 
 /// A sampler that is 10 % too wide.
+#[derive(Debug)]
+struct Wrong(Normal, Normal);
+impl mis::Technique for Wrong {
+    type Point = f64;
+    fn dimension(&self) -> usize {
+        1
+    }
+    fn sample(&self, xi: &[f64]) -> f64 {
+        self.1.sample(xi)
+    }
+    fn pdf(&self, x: &f64) -> f64 {
+        self.0.pdf(x)
+    }
+}
+
 #[test]
 fn a_wrong_width_is_still_seen() {
     let wide = Normal::new(0.0, 3.0).unwrap();
     let sampler = Normal::new(0.0, 1.1).unwrap();
-    #[derive(Debug)]
-    struct Wrong(Normal, Normal);
-    impl mis::Technique for Wrong {
-        type Point = f64;
-        fn dimension(&self) -> usize {
-            1
-        }
-        fn sample(&self, xi: &[f64]) -> f64 {
-            self.1.sample(xi)
-        }
-        fn pdf(&self, x: &f64) -> f64 {
-            self.0.pdf(x)
-        }
-    }
     let wrong = Wrong(Normal::new(0.0, 1.0).unwrap(), sampler);
     let mis = MultiSample::new(&[(&wide, 20_000), (&wrong, 20_000)]).unwrap();
     let target = Target::new().samples(40_000).unwrap();
