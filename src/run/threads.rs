@@ -57,6 +57,7 @@ impl Threads {
 #[cfg(not(feature = "parallel"))]
 impl Threads {
     /// One thread, however many were asked for.
+    #[expect(clippy::unnecessary_wraps, reason = "with the feature, threads may not start")]
     pub(super) fn new(_: Option<usize>) -> Result<Self, RunFault> {
         Ok(Self { others: 0 })
     }
