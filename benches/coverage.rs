@@ -101,7 +101,7 @@ say nothing about the intervals; those of all runs, and *silent*, do.
 
 *x and a hidden spike* is what no judgement can see: more than half of the variance lies on a
 thousandth of the interval, and one run of 1000 samples in three has none there. To a tolerance, few
-runs converge, but of these too many are wrong.
+runs converge before they have met it.
 ",
         version = env!("CARGO_PKG_VERSION"),
     )
