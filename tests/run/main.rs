@@ -10,6 +10,7 @@
 mod bits;
 mod checkpoints;
 mod common;
+mod damage;
 mod faults;
 mod identity;
 mod interruption;
