@@ -67,6 +67,7 @@ mod progress;
 mod report;
 mod schedule;
 mod session;
+mod shape;
 mod state;
 mod status;
 mod tally;

@@ -141,6 +141,15 @@ impl Cells {
         }
     }
 
+    pub(super) fn sums(&self) -> usize {
+        self.sums
+    }
+
+    /// How many samples added to each cell.
+    pub(super) fn counts(&self) -> impl ExactSizeIterator<Item = u64> {
+        self.rows.iter().map(|cell| cell.count)
+    }
+
     /// What tells these from other sums of the same samples.
     pub(super) fn words(&self) -> impl Iterator<Item = u64> {
         let words = |cell: &Cell| [cell.count, cell.mean.to_bits(), cell.m2.to_bits()];
@@ -151,7 +160,8 @@ impl Cells {
         for (left, right) in self.rows.iter_mut().zip(&right.rows) {
             *left = left.merge(*right);
         }
-        self.misplaced += right.misplaced;
+        // Calls are not bounded by the samples.
+        self.misplaced = self.misplaced.saturating_add(right.misplaced);
     }
 
     /// The sums as estimates, where the samples were these.

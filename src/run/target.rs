@@ -169,8 +169,12 @@ impl Target {
 
     /// # Errors
     ///
-    /// The norm is of a component that there is not.
+    /// There is no component at all, or not the one that the norm is of.
     pub(super) fn check(&self, components: usize) -> Result<(), ArgumentError> {
+        if components == 0 {
+            let rule = "the values of an integrand must have at least one component";
+            return Err(ArgumentError::new("Run", "Value::COMPONENTS", components, rule));
+        }
         match self.norm {
             Norm::Component(c) if c >= components => {
                 let rule = format!("the integrand has {components} components");

@@ -125,6 +125,113 @@ fn damaged_files_are_refused() {
     assert!(cases > 10_000, "{cases}");
 }
 
+/// The file with what lies between its header and its checksum changed, and both corrected.
+fn with_payload(sound: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
+    let mut payload = sound[20..sound.len() - 8].to_vec();
+    change(&mut payload);
+    let mut bytes = sound[..12].to_vec();
+    bytes.extend((payload.len() as u64).to_le_bytes());
+    bytes.extend(payload);
+    let checksum = crc::Crc::<u64>::new(&crc::CRC_64_XZ).checksum(&bytes);
+    bytes.extend(checksum.to_le_bytes());
+    bytes
+}
+
+/// Where the rounds begin in a payload: behind what tells its run from others, its shard and its
+/// limit.
+fn rounds_of(payload: &[u8]) -> usize {
+    type Head = ((String, usize, usize, u64, u64, String), (u64, u64), u64);
+    let (_, rounds) = postcard::take_from_bytes::<Head>(payload).unwrap();
+    payload.len() - rounds.len()
+}
+
+/// With a correct checksum, as of a build with an error.
+#[test]
+fn rounds_of_another_estimator() {
+    let folder = Folder::new();
+    let cases = cases();
+    let case = |name: &str| cases.iter().find(|case| case.name == name).unwrap();
+    for (own, other, text) in [
+        ("tally", "multi-sample", "3 contributions where there should be 2"),
+        ("vector, power", "multi-sample", "3 contributions where there should be 6"),
+        ("tally", "one-sample", "0 sums of a tally where there should be 5"),
+        ("one-sample", "tally", "5 sums of a tally where there should be 0"),
+    ] {
+        // Alone, and as the second of two shards.
+        for of in [1, 2] {
+            let file = |name: &str| {
+                let path = folder.file(&format!("{name} of {of} damaged.run"));
+                fs::remove_file(&path).ok();
+                let run = case(name).run().checkpoint(&path).shard(of - 1, of).unwrap();
+                assert_eq!(case(name).go(run).error, None);
+                (fs::read(&path).unwrap(), path)
+            };
+            let ((sound, path), (donor, _)) = (file(own), file(other));
+            let donor = &donor[20..donor.len() - 8];
+            let bytes = with_payload(&sound, |payload| {
+                payload.truncate(rounds_of(payload));
+                payload.extend(&donor[rounds_of(donor)..]);
+            });
+            let case = case(own);
+            let error = if of == 1 {
+                Damaged { case, path, sound }.refused(&bytes)
+            } else {
+                fs::write(&path, &bytes).unwrap();
+                let first = folder.file("first");
+                let run = case.run().checkpoint(&first).shard(0, 2).unwrap();
+                fs::remove_file(&first).ok();
+                assert_eq!(case.go(run).error, None);
+                case.merge(case.run(), &[first, path]).error.unwrap()
+            };
+            assert!(error.ends_with(&format!("damaged.run: its round 0 has {text}")), "{error}");
+        }
+    }
+}
+
+/// Whatever a file with a correct checksum holds: it is refused or continued, without a panic.
+#[test]
+fn damage_below_the_checksum() {
+    let folder = Folder::new();
+    let case = tally();
+    let path = folder.file("damaged.run");
+    let target = Target::new().samples(1100).unwrap();
+    assert_eq!(case.go(Run::new(target).checkpoint(&path)).error, None);
+    let sound = fs::read(&path).unwrap();
+    assert_eq!(with_payload(&sound, |_| ()), sound);
+    let start = rounds_of(&sound[20..sound.len() - 8]);
+    let length = sound.len() - 28;
+    let mut refused = std::collections::BTreeMap::new();
+    let mut dice = Dice(5);
+    for number in 0..6000_u64 {
+        let bytes = with_payload(&sound, |payload| {
+            let below = |dice: &mut Dice, n: usize| usize::try_from(dice.below(n as u64)).unwrap();
+            let at = start + below(&mut dice, length - start);
+            match number % 4 {
+                0 => payload[at] ^= 1 << dice.below(8),
+                // One number less or more.
+                1 => payload[at] = payload[at].wrapping_add(1),
+                2 => payload[at] = payload[at].wrapping_sub(1),
+                // The largest of all numbers, as postcard writes them.
+                _ => {
+                    let largest = [[0xff; 9].as_slice(), &[1]].concat();
+                    payload.splice(at..=at, largest);
+                }
+            }
+        });
+        fs::write(&path, &bytes).unwrap();
+        let outcome = case.go(case.run().checkpoint(&path));
+        if let Some(error) = outcome.error {
+            let problem: String = error.chars().filter(|c| !c.is_ascii_digit()).collect();
+            *refused.entry(problem).or_insert(0) += 1;
+        }
+    }
+    // Flipped digits of sums cannot be told; of counts and lengths they can.
+    let has = |text: &str| refused.keys().any(|problem| problem.contains(text));
+    for text in ["cannot be read", "contradict", "follow one another", "as chunk", "should be"] {
+        assert!(has(text), "{text}: {refused:#?}");
+    }
+}
+
 /// A file with a correct checksum, but of a version that this build does not know.
 #[test]
 fn another_version() {
