@@ -36,6 +36,12 @@ impl Session {
         Span::new(number, self.limit, self.techniques)
     }
 
+    /// The most samples, in this shard.
+    pub(super) fn own_limit(&self) -> u64 {
+        let own = |span: Span| span.samples_of(&span.share(self.shard.index, self.shard.of));
+        (0..).map(|number| self.span(number)).take_while(|span| span.chunks() > 0).map(own).sum()
+    }
+
     /// What a round has come to.
     pub(super) fn total(&self, number: u32) -> Option<Leaf> {
         self.rounds.get(place(number)).and_then(Round::total)

@@ -366,6 +366,11 @@ mod tests {
         }
         let second = Target::new().norm(Norm::Component(1));
         assert!(second.check(1).is_err() && second.check(2).is_ok());
+        for target in [Target::new(), second] {
+            let message = target.check(0).unwrap_err().to_string();
+            let rule = "the values of an integrand must have at least one component";
+            assert_eq!(message, format!("Run: `Value::COMPONENTS` is 0, but {rule}"));
+        }
         assert!(second.counts(1) && !second.counts(0) && Target::new().counts(9));
     }
 }

@@ -137,10 +137,11 @@ fn with_payload(sound: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     bytes
 }
 
-/// Where the rounds begin in a payload: behind what tells its run from others, its shard and its
-/// limit.
+/// What tells a run from others, its shard and its limit.
+type Head = ((String, usize, usize, u64, u64, String), (u64, u64), u64);
+
+/// Where the rounds begin in a payload.
 fn rounds_of(payload: &[u8]) -> usize {
-    type Head = ((String, usize, usize, u64, u64, String), (u64, u64), u64);
     let (_, rounds) = postcard::take_from_bytes::<Head>(payload).unwrap();
     payload.len() - rounds.len()
 }
@@ -188,6 +189,45 @@ fn rounds_of_another_estimator() {
     }
 }
 
+/// Shards that hold a part that is not theirs, or of which there are more than they say.
+#[test]
+fn shards_of_another_division() {
+    let folder = Folder::new();
+    let case = &cases()[0];
+    let draw = |of: u64| -> Vec<PathBuf> {
+        let path = |index| folder.file(&format!("{index} of {of} damaged.run"));
+        let shard = |index| case.run().checkpoint(path(index)).shard(index, of).unwrap();
+        (0..of).for_each(|index| assert_eq!(case.go(shard(index)).error, None));
+        (0..of).map(path).collect()
+    };
+    let merged = |files: &[PathBuf]| case.merge(case.run(), files).error.unwrap();
+    // Of 90, most have none of the 16 chunks of the first round.
+    let files = draw(90);
+    let donor = fs::read(&files[89]).unwrap();
+    let donor = &donor[20..donor.len() - 8];
+    let bytes = with_payload(&fs::read(&files[1]).unwrap(), |payload| {
+        payload.truncate(rounds_of(payload));
+        payload.extend(&donor[rounds_of(donor)..]);
+    });
+    fs::write(&files[1], bytes).unwrap();
+    let error = merged(&files);
+    assert!(error.ends_with("1 of 90 damaged.run has more of round 0 than its part"), "{error}");
+
+    let files = draw(3);
+    for path in &files {
+        let bytes = with_payload(&fs::read(path).unwrap(), |payload| {
+            let rounds = payload.split_off(rounds_of(payload));
+            let (mut head, _) = postcard::take_from_bytes::<Head>(payload).unwrap();
+            head.1.1 = 2;
+            *payload = postcard::to_stdvec(&head).unwrap();
+            payload.extend(rounds);
+        });
+        fs::write(path, bytes).unwrap();
+    }
+    let error = merged(&files);
+    assert!(error.ends_with("2 of 3 damaged.run is shard 2 of 2"), "{error}");
+}
+
 /// Whatever a file with a correct checksum holds: it is refused or continued, without a panic.
 #[test]
 fn damage_below_the_checksum() {
@@ -202,7 +242,7 @@ fn damage_below_the_checksum() {
     let length = sound.len() - 28;
     let mut refused = std::collections::BTreeMap::new();
     let mut dice = Dice(5);
-    for number in 0..6000_u64 {
+    for number in 0..3000_u64 {
         let bytes = with_payload(&sound, |payload| {
             let below = |dice: &mut Dice, n: usize| usize::try_from(dice.below(n as u64)).unwrap();
             let at = start + below(&mut dice, length - start);

@@ -16,6 +16,8 @@ mod identity;
 mod interruption;
 mod judgement;
 mod kill;
+#[cfg(feature = "parallel")]
+mod pools;
 mod progress;
 mod schedules;
 mod shards;
