@@ -61,7 +61,11 @@ fn corrupted(step: usize, random: u64) -> u64 {
         let expected = match length {
             0..8 => format!("it has {length} bytes"),
             8..28 => format!("it ends after {length} bytes"),
-            _ => "it was cut or joined".into(),
+            _ => format!(
+                "it should hold {} bytes and holds {}: it was cut or joined",
+                sound.len() - 28,
+                length - 28
+            ),
         };
         assert!(text.contains(&expected), "{length}: {text}");
         // The same, filled up with zeros, as after a crash.

@@ -18,6 +18,7 @@ mod judgement;
 mod kill;
 #[cfg(feature = "parallel")]
 mod pools;
+mod printed;
 mod progress;
 mod schedules;
 mod shards;
