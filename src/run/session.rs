@@ -39,7 +39,8 @@ impl Session {
     /// The most samples, in this shard.
     pub(super) fn own_limit(&self) -> u64 {
         let own = |span: Span| span.samples_of(&span.share(self.shard.index, self.shard.of));
-        (0..).map(|number| self.span(number)).take_while(|span| span.chunks() > 0).map(own).sum()
+        // Rounds double: there are fewer than a count has bits.
+        (0..u64::BITS).map(|number| own(self.span(number))).sum()
     }
 
     /// What a round has come to.

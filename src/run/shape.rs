@@ -194,8 +194,8 @@ mod tests {
 
     #[test]
     fn counts_that_contradict_each_other() {
-        let changes: [(usize, fn(&mut Leaf)); 10] = [
-            (0, |leaf| leaf.node.part.counts[0].zero = 1),
+        let changes = [
+            (0, (|leaf| leaf.node.part.counts[0].zero = 1) as fn(&mut Leaf)),
             (1, |leaf| leaf.node.part.counts[1].zero = 6),
             (1, |leaf| leaf.node.part.counts[1].uncovered = 1),
             (1, |leaf| {
