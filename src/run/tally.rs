@@ -295,6 +295,23 @@ mod tests {
     }
 
     #[test]
+    fn a_technique_without_a_share_takes_no_part() {
+        let mut cells = Cells::new(2, 1);
+        for amount in [1.0, 2.0, 4.0] {
+            cells.sample(1, &mut Pending::default(), |tally| tally.add(0, amount));
+        }
+        let counts = [0, 3].map(|samples| Counts { samples, ..Counts::default() });
+        let part = Part { contributions: Vec::new(), counts: counts.to_vec() };
+        let (design, on_fault) = (Design::Stratified, OnFault::Error);
+        let shares = &[0.0, 1.0];
+        let frame = Frame { design, shares, samples: 3, on_fault, weighting: &Balance };
+        let sum = cells.tallied(&frame, &part)[0];
+        let (_, mean, m2) = plain(&[1.0, 2.0, 4.0]);
+        assert!((sum.value - mean).abs() < 1e-15);
+        assert!((sum.standard_error.unwrap() - (m2 / 6.0).sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
     fn what_cannot_be_known() {
         for design in [Design::Stratified, Design::Pooled] {
             let none = tallied(&Cells::new(2, 1), design, [3, 3]);

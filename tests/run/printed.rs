@@ -1,5 +1,8 @@
 //! The numbers of a report as it is printed, computed anew.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use mis::points::Random;
 use mis::technique::{Linear, Uniform};
 use mis::{Integrand, MultiSample, Report, Run, Target};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -64,4 +67,27 @@ fn the_component_that_a_table_shows_is_named() {
     for number in ["0 ", "1 "] {
         assert_eq!(line(&one, number), line(&two, number));
     }
+}
+
+#[test]
+fn sums_that_there_are_not() {
+    let flat = Uniform::new(0.0, 2.0).unwrap();
+    let mis = MultiSample::new(&[(&flat, 3000)]).unwrap();
+    for bound in [-1.0, 0.5] {
+        let missed = AtomicU64::new(0);
+        // With one thread and no file, every sample is shown once.
+        let run = Run::new(Target::new()).threads(1).unwrap();
+        let report = run.tally(&mis, &f, &Random::new(1), 2, |sample, tally| {
+            tally.add(1, sample.contribution());
+            if *sample.x() < bound {
+                missed.fetch_add(1, Ordering::Relaxed);
+                tally.add(2, 1.0);
+            }
+        });
+        let (report, missed) = (report.unwrap(), missed.into_inner());
+        assert_eq!((report.misplaced(), missed > 600), (missed, bound > 0.0));
+        let expected = format!("sums: 2; amounts for sums that there are not: {missed}");
+        assert_eq!(line(&report.to_string(), "sums: "), Some(expected));
+    }
+    assert_eq!(line(&go(3000, &f).to_string(), "sums: "), None);
 }
