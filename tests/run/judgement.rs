@@ -187,6 +187,10 @@ fn few_contributions() {
     let report = run(220).execute(&mis, &|x: &f64| 1.0 + x, 1).unwrap();
     let found: Vec<_> = doubts(&report).iter().filter_map(contributions).collect();
     assert_eq!(found, [(Some(1), 20)]);
+    // Of a millionth of the variance, as few are enough.
+    let small = |x: &f64| (1.0 + x) * if *x < 0.5 { 1.0 } else { 1e-3 };
+    let report = run(220).execute(&mis, &small, 1).unwrap();
+    assert_eq!(doubts(&report).iter().filter_map(contributions).next(), None, "{report}");
 }
 
 #[test]
