@@ -206,6 +206,12 @@ mod tests {
             (0, |leaf| leaf.node.seen[0].samples = 1),
             (0, |leaf| leaf.node.part.contributions[2].moments = Moments::default()),
             (1, |leaf| leaf.node.part.contributions[5].moments.count = u64::MAX),
+            (1, |leaf| {
+                // Five numbers, in a unit that is none.
+                let fields = (5_u64, 1.0, 0.0, 0.0, 1021_i32, 1.0);
+                let bytes = postcard::to_stdvec(&fields).unwrap();
+                leaf.node.part.contributions[4].moments = postcard::from_bytes(&bytes).unwrap();
+            }),
             // The sum is right.
             (1, |leaf| {
                 leaf.node.part.contributions[3].moments.count = 4;

@@ -245,6 +245,14 @@ mod tests {
         says(|round| round.tree.push(0, 8, leaf(64, 1.0).node), gap);
         says(|round| round.tree.push(0, u64::MAX, leaf(64, 1.0).node), gap);
         says(|round| round.cut.as_mut().unwrap().index = 4, gap);
+        // Chunks 0 and 1 apart, as a file can have them.
+        let apart = |round: &mut Round| {
+            let nodes = vec![(0_u32, 0_u64, leaf(64, 1.0).node), (0, 1, leaf(64, 1.0).node)];
+            round.cut = None;
+            round.tree = postcard::from_bytes(&postcard::to_stdvec(&nodes).unwrap()).unwrap();
+            assert_eq!(round.done(), Some(0..2));
+        };
+        says(apart, gap);
         // More chunks than the first round has.
         let more = |round: &mut Round| {
             round.cut = None;

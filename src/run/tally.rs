@@ -336,5 +336,9 @@ mod tests {
         assert_eq!(twice.misplaced, 4);
         agree(twice.rows[0], plain(&[1.0, 0.75, 1.0, 0.75]));
         agree(twice.rows[2], plain(&[4.0, 2.0, 4.0, 2.0]));
+        // No number of calls is too many.
+        twice.misplaced = u64::MAX;
+        twice.merge(&cells());
+        assert_eq!(twice.misplaced, u64::MAX);
     }
 }
