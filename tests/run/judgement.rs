@@ -190,7 +190,7 @@ fn few_contributions() {
     // Of a millionth of the variance, as few are enough.
     let small = |x: &f64| (1.0 + x) * if *x < 0.5 { 1.0 } else { 1e-3 };
     let report = run(220).execute(&mis, &small, 1).unwrap();
-    assert_eq!(doubts(&report).iter().filter_map(contributions).next(), None, "{report}");
+    assert_eq!(doubts(&report).iter().find_map(contributions), None, "{report}");
 }
 
 #[test]
