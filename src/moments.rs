@@ -62,6 +62,11 @@ impl Moments {
         (Self { count: ys.len() as u64, mean, m2, m3, exponent, largest }, zeros)
     }
 
+    /// Whether its units are among those that [`of_block`](Self::of_block) takes.
+    pub(crate) fn is_sound(&self) -> bool {
+        (-1020..=1020).contains(&self.exponent)
+    }
+
     /// The moments of both sets of contributions together.
     pub(crate) fn merge(self, other: Self) -> Self {
         if self.count == 0 {
