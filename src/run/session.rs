@@ -15,8 +15,10 @@ pub(super) struct Session {
     pub(super) shard: Shard,
     /// The most samples, in all shards.
     pub(super) limit: u64,
-    /// How many streams of points there are: the replicates of all techniques.
-    pub(super) streams: usize,
+    /// Of the estimator.
+    pub(super) techniques: usize,
+    /// Of the points.
+    pub(super) replicates: usize,
     pub(super) path: Option<PathBuf>,
     pub(super) save_every: Duration,
     pub(super) began: Instant,
@@ -33,7 +35,7 @@ pub(super) struct Session {
 
 impl Session {
     pub(super) fn span(&self, number: u32) -> Span {
-        Span::new(number, self.limit, self.streams)
+        Span::new(number, self.limit, self.streams())
     }
 
     /// The most samples, in this shard.
@@ -41,6 +43,11 @@ impl Session {
         let own = |span: Span| span.samples_of(&span.share(self.shard.index, self.shard.of));
         // Rounds double: there are fewer than a count has bits.
         (0..u64::BITS).map(|number| own(self.span(number))).sum()
+    }
+
+    /// The replicates of all techniques.
+    fn streams(&self) -> usize {
+        self.techniques.saturating_mul(self.replicates)
     }
 
     /// What a round has come to.
@@ -105,9 +112,10 @@ impl Session {
     /// Rounds that no run of this kind has, although the file is as it was written.
     fn check(&self, path: &Path, saved: &Saved) -> Result<(), CheckpointError> {
         let Identity { components, sums, .. } = saved.identity;
-        let shape = Shape { techniques: self.techniques, components, sums };
+        let Self { techniques, replicates, .. } = *self;
+        let shape = Shape { techniques, replicates, components, sums };
         for (number, round) in (0..).zip(&saved.rounds) {
-            let endless = Span::new(number, u64::MAX, self.techniques);
+            let endless = Span::new(number, u64::MAX, self.streams());
             round.check(&endless, shape).map_err(|problem| CheckpointError::Damaged {
                 path: path.into(),
                 problem: format!("its round {number} has {problem}"),

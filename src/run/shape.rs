@@ -10,6 +10,7 @@ use crate::tail::Tail;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Shape {
     pub(super) techniques: usize,
+    pub(super) replicates: usize,
     pub(super) components: usize,
     pub(super) sums: usize,
 }
@@ -29,13 +30,14 @@ struct Lengths {
 impl Shape {
     /// What the lengths must be.
     fn lengths(self) -> Lengths {
-        let Self { techniques, components, sums } = self;
+        let Self { techniques, replicates, components, sums } = self;
+        let streams = techniques.saturating_mul(replicates);
         Lengths {
-            contributions: techniques.saturating_mul(components),
+            contributions: streams.saturating_mul(components),
             counts: techniques,
             seen: techniques,
             densities: Evidence::new(techniques, &[]).densities.len(),
-            cells: techniques.saturating_mul(sums),
+            cells: streams.saturating_mul(sums),
             tails: techniques.saturating_mul(components),
         }
     }
@@ -114,7 +116,7 @@ fn has(what: &str, found: usize, expected: usize) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::Shape;
+    use super::{Lengths, Shape};
     use crate::estimator::{Evidence, Seen};
     use crate::moments::Moments;
     use crate::part::{Counts, Part};
@@ -122,11 +124,11 @@ mod tests {
     use crate::run::tally::{Cells, Pending};
     use crate::run::tree::Node;
 
-    const SHAPE: Shape = Shape { techniques: 2, components: 3, sums: 4 };
+    const SHAPE: Shape = Shape { techniques: 2, replicates: 1, components: 3, sums: 4 };
 
     /// Two samples of the first technique, five of the second.
     fn leaf() -> Leaf {
-        let mut part = Part::empty(2, 3);
+        let mut part = Part::empty(2, 1, 3);
         for (k, contributions) in part.contributions.iter_mut().enumerate() {
             contributions.moments = Moments::of_block(&[1.0; 5][..if k < 3 { 2 } else { 5 }]);
         }
@@ -177,8 +179,10 @@ mod tests {
             assert_eq!(problem(7, change), text);
         }
         // Of many techniques, densities are not compared.
-        let many = Shape { techniques: 65, components: 0, sums: 0 };
-        assert_eq!(many.lengths().densities, 0);
+        let many = Shape { techniques: 65, replicates: 3, components: 2, sums: 4 };
+        let Lengths { contributions, densities, cells, tails, .. } = many.lengths();
+        // Contributions and cells are a replicate's.
+        assert_eq!((contributions, densities, cells, tails), (390, 0, 780, 130));
     }
 
     #[test]

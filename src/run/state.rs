@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn what_no_run_has_is_refused() {
-        let shape = Shape { techniques: 1, components: 0, sums: 0 };
+        let shape = Shape { techniques: 1, replicates: 1, components: 0, sums: 0 };
         let endless = Span::new(0, u64::MAX, 1);
         let check = |change: fn(&mut Round)| {
             let (_, mut cut) = round(200, 0..4);

@@ -356,7 +356,7 @@ mod tests {
         let (design, on_fault) = (Design::Stratified, OnFault::Error);
         let shares = &[0.0, 1.0];
         let frame = Frame { design, shares, samples: 3, on_fault, weighting: &Balance };
-        let sum = cells.tallied(&frame, &part)[0];
+        let sum = cells.tallied(&frame, &part, 1)[0];
         let (_, mean, m2) = plain(&[1.0, 2.0, 4.0]);
         assert!((sum.value - mean).abs() < 1e-15);
         assert!((sum.standard_error.unwrap() - (m2 / 6.0).sqrt()).abs() < 1e-15);

@@ -236,7 +236,7 @@ fn shards_of_another_division() {
 #[test]
 fn damage_below_the_checksum() {
     let folder = Folder::new();
-    let case = tally();
+    let case = tally("tally", sobol);
     let path = folder.file("damaged.run");
     let target = Target::new().samples(1100).unwrap();
     assert_eq!(case.go(Run::new(target).checkpoint(&path)).error, None);
