@@ -223,13 +223,16 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         Ok(())
     }
 
-    /// Fills the rows of `pdfs` that the weighting needs. False if one is negative, or technique
+    /// Fills the rows of `pdfs` that the weighting needs, only technique `i`'s if `own_only`. False if one is negative, or technique
     /// `i`'s own is 0, so that every sample has to be looked at; infinity and NaN show in the
     /// factors.
     fn densities(&self, i: usize, own_only: bool, xs: &[P], pdfs: &mut [f64]) -> bool {
         let mut sound = true;
         for (k, row) in pdfs.chunks_exact_mut(xs.len().max(1)).enumerate() {
-            if self.alpha[k] == 0.0 || (own_only && k != i) {
+            if own_only && k != i {
+                continue;
+            }
+            if self.alpha[k] == 0.0 {
                 row.fill(0.0);
                 continue;
             }
@@ -255,9 +258,11 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         if !value.is_finite() {
             return Err(Fault::Value);
         }
+        let constant = self.weighting.constant_weight(i, self.alpha);
         for (of, row) in pdfs.clone().enumerate() {
             let pdf = row[j];
-            if !(pdf >= 0.0) {
+            let evaluated = constant.is_none() || of == i;
+            if evaluated && !(pdf >= 0.0) {
                 return Err(Fault::Density { of, pdf });
             }
         }
@@ -267,7 +272,6 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         if finite && !underflowed {
             return Ok(None);
         }
-        let constant = self.weighting.constant_weight(i, self.alpha);
         for ((k, ln_q), row) in ln_r.iter_mut().enumerate().zip(pdfs) {
             *ln_q = f64::NEG_INFINITY;
             if self.alpha[k] == 0.0 || (constant.is_some() && k != i) {
