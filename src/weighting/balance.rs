@@ -1,6 +1,6 @@
 //! The balance heuristic.
 
-use crate::lanes::LANES;
+use wide::f64x4;
 
 use super::{Densities, SAFE, Weighting};
 
@@ -27,24 +27,27 @@ impl Weighting for Balance {
         _: &mut [f64],
         out: &mut [f64],
     ) {
-        // Σ q_k in registers, eight points at a time; then the rest.
-        let whole = out.len() - out.len() % LANES;
-        let mut greatest = [0.0; LANES];
-        for (chunk, out) in out.chunks_exact_mut(LANES).enumerate() {
-            let mut c = [0.0; LANES];
+        // Σ q_k in registers, sixteen points at a time; then the rest.
+        const POINTS: usize = 16;
+        let whole = out.len() - out.len() % POINTS;
+        let mut greatest = f64x4::ZERO;
+        for (chunk, out) in out.as_chunks_mut::<POINTS>().0.iter_mut().enumerate() {
+            let mut c = [f64x4::ZERO; POINTS / 4];
             for (a, p) in q.rows() {
-                for (c, p) in c.iter_mut().zip(&p.as_chunks::<LANES>().0[chunk]) {
-                    *c += a * p;
+                if let Some(p) = p.get(chunk * POINTS..).and_then(<[f64]>::first_chunk::<POINTS>) {
+                    for (c, p) in c.iter_mut().zip(p.as_chunks::<4>().0) {
+                        *c += f64x4::splat(a) * f64x4::new(*p);
+                    }
                 }
             }
-            for ((out, greatest), c) in out.iter_mut().zip(&mut greatest).zip(c) {
-                *greatest = if *greatest > c { *greatest } else { c };
-                *out = c.recip();
+            for (out, c) in out.as_chunks_mut::<4>().0.iter_mut().zip(c) {
+                greatest = greatest.fast_max(c);
+                *out = (f64x4::ONE / c).to_array();
             }
         }
         // A c that is too small has an infinite reciprocal, which shows; a c that is too large does
         // not. NaN stays NaN.
-        let safe = greatest.iter().all(|c| *c < SAFE.end);
+        let safe = greatest.to_array().iter().all(|c| *c < SAFE.end);
         let first = if safe { whole } else { 0 };
         for (j, out) in out.iter_mut().enumerate().skip(first) {
             let c: f64 = q.rows().map(|(a, p)| a * p[j]).sum();
