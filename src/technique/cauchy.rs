@@ -1,6 +1,7 @@
 //! The Cauchy density on the whole line.
 
-use super::{InverseCdf, Technique, canonical};
+use super::elementary::tan_pi;
+use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, positive};
 use std::f64::consts::{FRAC_1_PI, PI};
 
@@ -63,12 +64,8 @@ pub(super) fn representable(
 
 /// 1 / (angle γ (1 + z²)) at the distance `dx` = γ z from the peak.
 pub(super) fn density(dx: f64, scale: f64, angle: f64) -> f64 {
-    let z = dx / scale;
-    if z.abs() <= 1.0 {
-        angle.recip() / (1.0 + z * z) / scale
-    } else {
-        angle.recip() / (z + z.recip()) / dx // z² may overflow
-    }
+    // Of the forms of γ (1 + z²) the one that overflows only where the density underflows.
+    angle.recip() / (scale + dx * (dx / scale))
 }
 
 /// ln of [`density`], where that is not a normal number.
@@ -94,6 +91,10 @@ impl Technique for Cauchy {
     fn ln_pdf(&self, x: &f64) -> f64 {
         let p = self.pdf(x);
         if p.is_normal() { p.ln() } else { ln_density(x - self.location, self.scale, PI) }
+    }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
     }
 }
 
@@ -127,6 +128,16 @@ impl InverseCdf for Cauchy {
             return f64::NAN;
         }
         self.location + self.scale / (PI * v).tan()
+    }
+
+    fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
+        batch::places(xi, xs, |u| {
+            let (inner, outer) = (u - 0.5, if u < 0.5 { -u } else { 1.0 - u });
+            let central = inner.abs() <= 0.25;
+            let [sine, cosine] = tan_pi(if central { inner } else { outer });
+            let tan = if central { sine / cosine } else { cosine / sine };
+            self.location + self.scale * tan
+        });
     }
 }
 

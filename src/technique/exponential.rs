@@ -1,7 +1,8 @@
 //! The exponential density, cut to an interval.
 
+use super::elementary::{clamp, ln_sum, times_exp};
 use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, greater};
 
 /// The exponential density of rate λ on \[a, b\], with respect to length.
@@ -93,6 +94,21 @@ impl Technique for Exponential {
             f64::NEG_INFINITY
         }
     }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
+    }
+
+    fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
+        let (dense, slope) =
+            if self.grows { (self.b, self.decay.rate) } else { (self.a, -self.decay.rate) };
+        let peak = self.decay.density(0.0);
+        for (p, x) in out.iter_mut().zip(xs) {
+            let inside = (self.a <= *x) & (*x <= self.b);
+            let density = times_exp(peak, slope * (x - dense));
+            *p = if inside { density } else { 0.0 };
+        }
+    }
 }
 
 impl TwoSided for Exponential {
@@ -119,6 +135,23 @@ impl TwoSided for Exponential {
             }
         };
         x.clamp(self.a, self.b)
+    }
+
+    fn places(&self, xi: &[f64], xs: &mut [f64]) {
+        let Some(logarithm) = self.decay.logarithm() else {
+            return batch::places(xi, xs, |u| self.place(u, 1.0 - u));
+        };
+        let (grows, rate) = (self.grows, self.decay.rate);
+        let (near, far, rate) =
+            if grows { (self.b, self.a, -rate) } else { (self.a, self.b, rate) };
+        batch::places(xi, xs, |u| {
+            let (below, above) = (u, 1.0 - u);
+            let dense = if grows { above } else { below };
+            let thin = if grows { below } else { above };
+            let (y, from_thin) = logarithm.place(dense, thin);
+            let end = if from_thin { far } else { near };
+            clamp(end + y / rate, self.a, self.b)
+        });
     }
 }
 
@@ -163,6 +196,16 @@ impl Decay {
         split(dense, thin)
     }
 
+    /// [`place`](Self::place) for loops, unless masses are so small that they need other formulas.
+    pub(super) fn logarithm(&self) -> Option<Logarithm> {
+        let depth = self.rate * self.width;
+        let dense = -(-depth).exp_m1();
+        // Times the smallest canonical number.
+        let normal = dense * f64::EPSILON / 4.0 >= f64::MIN_POSITIVE;
+        let (thin, ratio) = (depth.exp_m1(), (-depth).exp());
+        normal.then_some(Logarithm { dense, thin, ratio })
+    }
+
     /// The place with the mass `dense` on one side and `thin` = 1 - `dense` on the other.
     pub(super) fn place(&self, dense: f64, thin: f64) -> Place {
         let depth = self.rate * self.width;
@@ -181,6 +224,34 @@ impl Decay {
             return Place::Thin(y.ln_1p() / self.rate);
         }
         Place::Dense(-(thin + dense * (-depth).exp()).ln() / self.rate)
+    }
+}
+
+/// [`Decay::place`] in lanes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Logarithm {
+    /// 1 - e^-d, e^d - 1 and e^-d for the depth d = rate · width.
+    dense: f64,
+    thin: f64,
+    ratio: f64,
+}
+
+impl Logarithm {
+    /// rate t, where t leads from the end at hand to the place with these masses on its sides,
+    /// and is positive from the dense end; and whether that end is the thin one.
+    #[inline]
+    pub(super) fn place(&self, dense: f64, thin: f64) -> (f64, bool) {
+        // The cases of `Decay::place`, which differ in the argument of one logarithm.
+        let up = thin * self.thin;
+        let near_dense = dense < thin;
+        let near_thin = !near_dense & (up < 1.0);
+        let y = if near_dense { -dense * self.dense } else { up };
+        let near_one = 1.0 + y;
+        let between = thin + dense * self.ratio;
+        let near = near_dense | near_thin;
+        let s = if near { near_one } else { between };
+        let lost = if near { y - (near_one - 1.0) } else { between - between }; // 0, or NaN
+        (-ln_sum(s, lost), near_thin)
     }
 }
 

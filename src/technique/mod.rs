@@ -5,7 +5,9 @@
 //! importance distribution.
 
 mod affine;
+mod batch;
 mod cauchy;
+mod elementary;
 mod exponential;
 mod fn_technique;
 mod invert;
@@ -181,6 +183,16 @@ pub trait InverseCdf: Technique<Point = f64> {
     fn support(&self) -> (f64, f64) {
         (self.inverse_cdf(0.0), self.inverse_cdf(1.0))
     }
+
+    /// [`sample`](Technique::sample) of each number of `xi`, over the number at its place in `xs`.
+    ///
+    /// What [`sample_batch`](Technique::sample_batch) is for a block of points, this is for one
+    /// coordinate of them: products call it.
+    fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
+        for (x, u) in xs.iter_mut().zip(xi) {
+            *x = self.sample(std::slice::from_ref(u));
+        }
+    }
 }
 
 /// Canonical number `d` of `xi`, moved into the open unit interval.
@@ -197,12 +209,15 @@ pub trait InverseCdf: Technique<Point = f64> {
 #[must_use]
 #[inline]
 pub fn canonical(xi: &[f64], d: usize) -> f64 {
+    xi.get(d).map_or(f64::NAN, |u| open(*u))
+}
+
+/// `u`, moved into the open unit interval.
+#[inline]
+fn open(u: f64) -> f64 {
     const SMALLEST: f64 = f64::EPSILON / 4.0;
     const LARGEST: f64 = 1.0 - f64::EPSILON / 2.0;
-    match xi.get(d) {
-        Some(u) => u.clamp(SMALLEST, LARGEST),
-        None => f64::NAN,
-    }
+    u.clamp(SMALLEST, LARGEST)
 }
 
 macro_rules! forward {
@@ -250,6 +265,9 @@ macro_rules! forward {
             }
             fn support(&self) -> (f64, f64) {
                 (**self).support()
+            }
+            fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
+                (**self).sample_slice(xi, xs);
             }
         }
     )*};

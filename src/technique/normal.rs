@@ -1,7 +1,8 @@
 //! The normal density on the whole line.
 
+use super::elementary::{NORMAL_TAIL, normal_quantile, times_exp};
 use super::normal_tail::{inverse_upper_tail, upper_tail};
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, batch, canonical, open};
 use crate::error::{ArgumentError, finite, positive};
 use std::f64::consts::TAU;
 
@@ -84,6 +85,18 @@ impl Technique for Normal {
         let z = self.z(*x);
         -0.5 * z * z - 0.5 * TAU.ln() - self.sd.ln()
     }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
+    }
+
+    fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
+        let peak = 1.0 / TAU.sqrt() / self.sd;
+        for (p, x) in out.iter_mut().zip(xs) {
+            let z = self.z(*x);
+            *p = times_exp(peak, -0.5 * z * z);
+        }
+    }
 }
 
 impl InverseCdf for Normal {
@@ -107,6 +120,16 @@ impl InverseCdf for Normal {
             return f64::NAN;
         }
         self.mean + self.sd * inverse_upper_tail(v)
+    }
+
+    fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
+        let in_lanes = |u: f64| {
+            let u = open(u);
+            let product = 4.0 * u * (1.0 - u);
+            let x = self.mean + self.sd * normal_quantile(2.0 * u - 1.0, product);
+            if product < NORMAL_TAIL { f64::NAN } else { x }
+        };
+        batch::map(xi, xs, in_lanes, |u| self.inverse_cdf(open(u)));
     }
 }
 
