@@ -48,12 +48,6 @@ pub(super) fn times_exp(c: f64, y: f64) -> f64 {
     (c * f64::from_bits(first << 52)) * power * f64::from_bits(second << 52)
 }
 
-/// e^y.
-#[inline(always)]
-pub(super) fn exp(y: f64) -> f64 {
-    times_exp(1.0, y)
-}
-
 /// ln(s + c), where s is a positive normal number and c at most a rounding error of s.
 ///
 /// s + c = 2^k (1 + f) with √½ <= 1 + f < √2, and ln(1 + f) = f - t (f - R) with

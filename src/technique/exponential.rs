@@ -180,6 +180,10 @@ impl Decay {
         Self { rate, width, norm: integral(rate, width) }
     }
 
+    pub(super) fn rate(&self) -> f64 {
+        self.rate
+    }
+
     pub(super) fn density(&self, t: f64) -> f64 {
         (-self.rate * t).exp() / self.norm
     }

@@ -1,8 +1,9 @@
 //! The power law.
 
+use super::elementary::{clamp, ln_sum, times_exp};
 use super::exponential::{Decay, Place};
 use super::two_sided::{TwoSided, inverse_cdf_by_sides};
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, greater};
 
 /// The density proportional to x^a on \[lo, hi\], 0 <= lo < hi, with respect to length.
@@ -178,6 +179,31 @@ impl Technique for PowerLaw {
         let x = x.max(f64::MIN_POSITIVE);
         self.decay.ln_density(self.distances(x).0) - x.ln()
     }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
+    }
+
+    fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
+        let (grows, lo, hi) = (self.grows, self.lo, self.hi);
+        let (peak, rate) = (self.decay.density(0.0), self.decay.rate());
+        let in_lanes = |x: f64| {
+            let inside = (lo <= x) & (x <= hi);
+            let x = if x < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { x };
+            let larger = if grows { hi } else { x };
+            let smaller = if grows { x } else { lo };
+            // As `ln_ratio`, in one logarithm.
+            let (excess, ratio) = ((larger - smaller) / smaller, larger / smaller);
+            let near = excess < 1.0;
+            let lost = if near { excess - ((1.0 + excess) - 1.0) } else { 0.0 };
+            let distance = ln_sum(if near { 1.0 + excess } else { ratio }, lost);
+            let in_ln_x = times_exp(peak, -rate * distance);
+            let sound = (in_ln_x >= f64::MIN_POSITIVE) & (ratio < f64::INFINITY);
+            let p = if sound { in_ln_x / x } else { f64::NAN };
+            if inside { p } else { 0.0 }
+        };
+        batch::map(xs, out, in_lanes, |x| self.pdf(&x));
+    }
 }
 
 impl TwoSided for PowerLaw {
@@ -204,6 +230,24 @@ impl TwoSided for PowerLaw {
             }
         };
         x.clamp(self.lo.max(f64::MIN_POSITIVE), self.hi)
+    }
+
+    fn places(&self, xi: &[f64], xs: &mut [f64]) {
+        let Some(logarithm) = self.decay.logarithm() else {
+            return batch::places(xi, xs, |u| self.place(u, 1.0 - u));
+        };
+        let (grows, rate) = (self.grows, self.decay.rate());
+        let (near, far, rate) =
+            if grows { (self.hi, self.lo, -rate) } else { (self.lo, self.hi, rate) };
+        let lowest = self.lo.max(f64::MIN_POSITIVE);
+        batch::places(xi, xs, |u| {
+            let (below, above) = (u, 1.0 - u);
+            let dense = if grows { above } else { below };
+            let thin = if grows { below } else { above };
+            let (y, from_thin) = logarithm.place(dense, thin);
+            let end = if from_thin { far } else { near };
+            clamp(times_exp(end, y / rate), lowest, self.hi)
+        });
     }
 }
 

@@ -1,9 +1,11 @@
 //! The Cauchy density, cut to an interval.
 
 use super::cauchy::{density, ln_density, representable};
+use super::elementary::{clamp, tan_pi};
 use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, greater, positive};
+use std::f64::consts::FRAC_1_PI;
 
 /// The Cauchy density cut to \[a, b\], with respect to length; either end may be infinite.
 ///
@@ -111,6 +113,12 @@ impl End {
     /// The x with atan(z) - atan(t) = `angle`.
     fn place(&self, angle: f64, scale: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
+        self.at(sin, cos, scale)
+    }
+
+    /// The same, from any two numbers with the ratio of the sine and the cosine.
+    #[inline]
+    fn at(&self, sin: f64, cos: f64, scale: f64) -> f64 {
         let below = self.one * cos - self.t * sin;
         let from_peak = scale * ((self.t * cos + self.one * sin) / below);
         let from_edge = self.reach * (sin * (self.t * self.t + self.one * self.one) / below);
@@ -136,10 +144,10 @@ impl Technique for TruncatedCauchy {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if !self.contains(*x) {
-            return 0.0;
-        }
-        density(x - self.lower.location, self.scale, self.lower.angle)
+        // Without branches, for loops over many points.
+        let inside = (self.lower.edge <= *x) & (*x <= -self.upper.edge);
+        let p = density(x - self.lower.location, self.scale, self.lower.angle);
+        if inside { p } else { 0.0 }
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -151,6 +159,10 @@ impl Technique for TruncatedCauchy {
             return p.ln();
         }
         ln_density(x - self.lower.location, self.scale, self.lower.angle)
+    }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
     }
 }
 
@@ -172,6 +184,28 @@ impl TwoSided for TruncatedCauchy {
             -self.upper.place(above * self.upper.angle, self.scale)
         };
         x.clamp(a, b)
+    }
+
+    fn places(&self, xi: &[f64], xs: &mut [f64]) {
+        let (l, r) = (self.lower, self.upper);
+        batch::places(xi, xs, |u| {
+            let lower = u < 1.0 - u;
+            let pick = |of_lower, of_upper| if lower { of_lower } else { of_upper };
+            let end = End {
+                edge: pick(l.edge, r.edge),
+                location: pick(l.location, r.location),
+                reach: pick(l.reach, r.reach),
+                t: pick(l.t, r.t),
+                one: pick(l.one, r.one),
+                angle: pick(l.angle, r.angle),
+            };
+            let turn = pick(u, 1.0 - u) * end.angle * FRAC_1_PI;
+            let steep = turn > 0.25;
+            let [near, far] = tan_pi(if steep { 0.5 - turn } else { turn });
+            let (sin, cos) = (if steep { far } else { near }, if steep { near } else { far });
+            let x = end.at(sin, cos, self.scale);
+            clamp(if lower { x } else { -x }, l.edge, -r.edge)
+        });
     }
 }
 

@@ -1,10 +1,11 @@
 //! The normal density, cut to an interval.
 
+use super::elementary::{NORMAL_TAIL, clamp, normal_quantile, times_exp};
 use super::normal_tail::{
     inverse_series, inverse_upper_tail, mills, series, series_limit, upper_tail,
 };
 use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, batch, canonical, open};
 use crate::error::{ArgumentError, finite, greater, positive};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 
@@ -262,6 +263,25 @@ impl Technique for TruncatedNormal {
             f64::NEG_INFINITY
         }
     }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
+    }
+
+    fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
+        // `ln_shape`, whose two forms differ in the origin.
+        let off_peak = self.alpha.z > 0.0;
+        let (origin, slope) = if off_peak { (self.a, self.alpha.z) } else { (self.mean, 0.0) };
+        let peak = 1.0 / self.total / self.sd;
+        let mirror = if self.mirrored { -1.0 } else { 1.0 };
+        for (p, x) in out.iter_mut().zip(xs) {
+            let x = mirror * x;
+            let inside = (self.a <= x) & (x <= self.b);
+            let d = (x - origin) / self.sd;
+            let density = times_exp(peak, -d * (slope + 0.5 * d));
+            *p = if inside { density } else { 0.0 };
+        }
+    }
 }
 
 impl TwoSided for TruncatedNormal {
@@ -278,6 +298,30 @@ impl TwoSided for TruncatedNormal {
         let (below, above) = if self.mirrored { (above, below) } else { (below, above) };
         let x = self.polish(self.mirrored_place(below, above), below, above);
         self.mirror(x.clamp(self.a, self.b))
+    }
+
+    fn places(&self, xi: &[f64], xs: &mut [f64]) {
+        let alone = |u| self.place(open(u), 1.0 - open(u));
+        if self.alpha.z > 0.0 || self.beta.z - self.alpha.z < 1.0 {
+            // A window off the peak, or small: the quantile of the whole line is no way there.
+            return batch::map(xi, xs, alone, alone);
+        }
+        let tails = [upper_tail(-self.alpha.z), upper_tail(self.beta.z)];
+        let [from, to] = [self.alpha.z, self.beta.z].map(|z| libm::erf(z * FRAC_1_SQRT_2));
+        let (span, mass) = (to - from, 0.5 * (to - from));
+        let mirror = if self.mirrored { -1.0 } else { 1.0 };
+        let in_lanes = |u| {
+            let u = open(u);
+            let below = if self.mirrored { 1.0 - u } else { u };
+            let above = if self.mirrored { u } else { 1.0 - u };
+            let product = 4.0 * (tails[0] + below * mass) * (tails[1] + above * mass);
+            let lower = below < above;
+            let difference = if lower { from + below * span } else { to - above * span };
+            let x = self.mean + self.sd * normal_quantile(difference, product);
+            let x = mirror * clamp(x, self.a, self.b);
+            if product < NORMAL_TAIL { f64::NAN } else { x }
+        };
+        batch::map(xi, xs, in_lanes, alone);
     }
 }
 
