@@ -11,7 +11,8 @@
 const SHIFT: f64 = 6_755_399_441_055_744.0;
 
 /// ln 2 in two parts; products of the first with integers of 20 bits are exact.
-const LN_2: [f64; 2] = [f64::from_bits(0x3FE6_2E42_FEE0_0000), f64::from_bits(0x3DEA_39EF_3579_3C76)];
+const LN_2: [f64; 2] =
+    [f64::from_bits(0x3FE6_2E42_FEE0_0000), f64::from_bits(0x3DEA_39EF_3579_3C76)];
 
 /// [`f64::clamp`] without the branch of its check.
 #[inline(always)]
@@ -20,14 +21,20 @@ pub(super) fn clamp(x: f64, low: f64, high: f64) -> f64 {
     if x > high { high } else { x }
 }
 
-/// c e^y, for a normal number c; no intermediate result leaves the range where c and the product
-/// are in it.
+/// e^y; beyond the range of normal numbers a subnormal one, 0 or infinity.
+#[inline(always)]
+pub(super) fn exp(y: f64) -> f64 {
+    times_exp(1.0, y)
+}
+
+/// c e^y for |y| <= 1417; no intermediate result leaves the range of normal numbers where c and
+/// the product are in it.
 ///
 /// e^y = 2^k e^r with |r| <= ln 2 / 2.
 #[inline(always)]
 pub(super) fn times_exp(c: f64, y: f64) -> f64 {
-    // Beyond, the product has left the range whatever c. NaN stays NaN.
-    let y = clamp(y, -1400.0, 1400.0);
+    // Beyond, 2^k is more than two factors hold. NaN stays NaN.
+    let y = clamp(y, -1417.0, 1417.0);
     let shifted = y * std::f64::consts::LOG2_E + SHIFT;
     let k = shifted - SHIFT;
     let r = (y - k * LN_2[0]) - k * LN_2[1];
@@ -69,8 +76,8 @@ pub(super) fn ln_sum(s: f64, c: f64) -> f64 {
     let even = 0.666_666_666_666_667
         + t4 * (0.285_714_286_289_570_6
             + t4 * (0.181_829_238_937_804_5 + t4 * 0.146_305_004_755_642_7));
-    let odd = 0.399_999_999_998_928_5
-        + t4 * (0.222_222_106_531_151_4 + t4 * 0.153_305_757_491_568_6);
+    let odd =
+        0.399_999_999_998_928_5 + t4 * (0.222_222_106_531_151_4 + t4 * 0.153_305_757_491_568_6);
     let series = t2 * (even + t2 * odd);
     k * LN_2[0] + (f - (t * (f - series) - k * LN_2[1]))
 }

@@ -1,6 +1,6 @@
 //! The exponential density, cut to an interval.
 
-use super::elementary::{clamp, ln_sum, times_exp};
+use super::elementary::{clamp, exp, ln_sum};
 use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
 use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, greater};
@@ -105,7 +105,7 @@ impl Technique for Exponential {
         let peak = self.decay.density(0.0);
         for (p, x) in out.iter_mut().zip(xs) {
             let inside = (self.a <= *x) & (*x <= self.b);
-            let density = times_exp(peak, slope * (x - dense));
+            let density = peak * exp(slope * (x - dense));
             *p = if inside { density } else { 0.0 };
         }
     }

@@ -1,6 +1,6 @@
 //! The normal density on the whole line.
 
-use super::elementary::{NORMAL_TAIL, normal_quantile, times_exp};
+use super::elementary::{NORMAL_TAIL, exp, normal_quantile};
 use super::normal_tail::{inverse_upper_tail, upper_tail};
 use super::{InverseCdf, Technique, batch, canonical, open};
 use crate::error::{ArgumentError, finite, positive};
@@ -94,7 +94,7 @@ impl Technique for Normal {
         let peak = 1.0 / TAU.sqrt() / self.sd;
         for (p, x) in out.iter_mut().zip(xs) {
             let z = self.z(*x);
-            *p = times_exp(peak, -0.5 * z * z);
+            *p = peak * exp(-0.5 * z * z);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The power law.
 
-use super::elementary::{clamp, ln_sum, times_exp};
+use super::elementary::{clamp, exp, ln_sum, times_exp};
 use super::exponential::{Decay, Place};
 use super::two_sided::{TwoSided, inverse_cdf_by_sides};
 use super::{InverseCdf, Technique, batch, canonical};
@@ -197,7 +197,7 @@ impl Technique for PowerLaw {
             let near = excess < 1.0;
             let lost = if near { excess - ((1.0 + excess) - 1.0) } else { 0.0 };
             let distance = ln_sum(if near { 1.0 + excess } else { ratio }, lost);
-            let in_ln_x = times_exp(peak, -rate * distance);
+            let in_ln_x = peak * exp(-rate * distance);
             let sound = (in_ln_x >= f64::MIN_POSITIVE) & (ratio < f64::INFINITY);
             let p = if sound { in_ln_x / x } else { f64::NAN };
             if inside { p } else { 0.0 }

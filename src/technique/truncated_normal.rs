@@ -1,6 +1,6 @@
 //! The normal density, cut to an interval.
 
-use super::elementary::{NORMAL_TAIL, clamp, normal_quantile, times_exp};
+use super::elementary::{NORMAL_TAIL, clamp, exp, normal_quantile};
 use super::normal_tail::{
     inverse_series, inverse_upper_tail, mills, series, series_limit, upper_tail,
 };
@@ -278,7 +278,7 @@ impl Technique for TruncatedNormal {
             let x = mirror * x;
             let inside = (self.a <= x) & (x <= self.b);
             let d = (x - origin) / self.sd;
-            let density = times_exp(peak, -d * (slope + 0.5 * d));
+            let density = peak * exp(-d * (slope + 0.5 * d));
             *p = if inside { density } else { 0.0 };
         }
     }
