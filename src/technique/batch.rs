@@ -2,6 +2,9 @@
 
 use super::{InverseCdf, open};
 
+/// The rows of blocks on the stack.
+pub(super) const ROWS: usize = 64;
+
 /// The batch method of a technique that overrides [`InverseCdf::sample_slice`].
 pub(super) fn sample(technique: &impl InverseCdf, xi: &[f64], xs: &mut Vec<f64>) {
     if xs.len() < xi.len() {

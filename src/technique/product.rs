@@ -1,6 +1,6 @@
 //! Products of independent coordinates: arrays of fixed length, vectors of run-time length, boxes.
 
-use super::{InverseCdf, Technique, Uniform};
+use super::{InverseCdf, Technique, Uniform, batch};
 use crate::error::{ArgumentError, finite, greater};
 
 /// The density of D independent coordinates, with respect to Lebesgue measure on R^D.
@@ -96,6 +96,18 @@ impl<T: InverseCdf, const D: usize> Technique for Product<T, D> {
     fn ln_pdf(&self, x: &[f64; D]) -> f64 {
         ln_density(&self.coordinates, x)
     }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<[f64; D]>) {
+        let n = xi.len() / D.max(1);
+        if xs.len() < n {
+            xs.resize(n, [0.0; D]);
+        }
+        fill_columns(&self.coordinates, xi, &mut xs[..n]);
+    }
+
+    fn pdf_batch(&self, xs: &[[f64; D]], out: &mut [f64]) {
+        densities(&self.coordinates, xs, out);
+    }
 }
 
 /// The density of independent coordinates whose number is known at run time, with respect to
@@ -188,6 +200,27 @@ impl<T: InverseCdf> Technique for ProductVec<T> {
         x.resize(self.coordinates.len(), 0.0);
         fill(&self.coordinates, xi, x);
     }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<Vec<f64>>) {
+        let n = xi.len() / self.coordinates.len();
+        if xs.len() < n {
+            xs.resize_with(n, Vec::new);
+        }
+        for x in &mut xs[..n] {
+            x.resize(self.coordinates.len(), 0.0);
+        }
+        fill_columns(&self.coordinates, xi, &mut xs[..n]);
+    }
+
+    fn pdf_batch(&self, xs: &[Vec<f64>], out: &mut [f64]) {
+        if xs.iter().all(|x| x.len() == self.coordinates.len()) {
+            densities(&self.coordinates, xs, out);
+        } else {
+            for (p, x) in out.iter_mut().zip(xs) {
+                *p = self.pdf(x);
+            }
+        }
+    }
 }
 
 fn not_empty(owner: &'static str, len: usize) -> Result<(), ArgumentError> {
@@ -212,6 +245,47 @@ fn side(owner: &'static str, d: usize, a: f64, b: f64) -> Result<Uniform, Argume
 fn fill<T: InverseCdf>(coordinates: &[T], xi: &[f64], x: &mut [f64]) {
     for (d, (x, t)) in x.iter_mut().zip(coordinates).enumerate() {
         *x = t.sample(xi.get(d..=d).unwrap_or_default());
+    }
+}
+
+/// [`fill`] of every row, a coordinate at a time; no more rows than points.
+fn fill_columns<T: InverseCdf, P: AsMut<[f64]>>(coordinates: &[T], xi: &[f64], xs: &mut [P]) {
+    let dimension = coordinates.len();
+    let (mut us, mut column) = ([0.0; batch::ROWS], [0.0; batch::ROWS]);
+    for (xi, xs) in xi.chunks(batch::ROWS * dimension).zip(xs.chunks_mut(batch::ROWS)) {
+        let (us, column) = (&mut us[..xs.len()], &mut column[..xs.len()]);
+        for (d, t) in coordinates.iter().enumerate() {
+            for (u, xi) in us.iter_mut().zip(xi.chunks_exact(dimension)) {
+                *u = xi[d];
+            }
+            t.sample_slice(us, column);
+            for (x, value) in xs.iter_mut().zip(&*column) {
+                x.as_mut()[d] = *value;
+            }
+        }
+    }
+}
+
+/// [`density`] at every point, a coordinate at a time.
+fn densities<T: InverseCdf, P: AsRef<[f64]>>(coordinates: &[T], xs: &[P], out: &mut [f64]) {
+    let (mut column, mut factors) = ([0.0; batch::ROWS], [0.0; batch::ROWS]);
+    for (xs, out) in xs.chunks(batch::ROWS).zip(out.chunks_mut(batch::ROWS)) {
+        let (column, factors) = (&mut column[..xs.len()], &mut factors[..xs.len()]);
+        out.fill(1.0);
+        for (d, t) in coordinates.iter().enumerate() {
+            for (value, x) in column.iter_mut().zip(xs) {
+                *value = x.as_ref()[d];
+            }
+            t.pdf_batch(column, factors);
+            for (p, factor) in out.iter_mut().zip(&*factors) {
+                *p *= factor;
+            }
+        }
+        for (p, x) in out.iter_mut().zip(xs) {
+            if !p.is_normal() {
+                *p = ln_density(coordinates, x.as_ref()).exp();
+            }
+        }
     }
 }
 
