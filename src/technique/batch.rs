@@ -21,6 +21,13 @@ pub(super) fn places(xi: &[f64], xs: &mut [f64], place: impl Fn(f64) -> f64) {
     }
 }
 
+/// One number of [`map`].
+#[inline]
+pub(super) fn one(x: f64, in_lanes: impl Fn(f64) -> f64, alone: impl Fn(f64) -> f64) -> f64 {
+    let y = in_lanes(x);
+    if y.is_nan() { alone(x) } else { y }
+}
+
 /// `out` is `in_lanes` of `xs`, and `alone` of those where that is NaN.
 ///
 /// `in_lanes` should have no branches and be inlined, so that the loop becomes vector

@@ -45,6 +45,16 @@ impl Cauchy {
         representable("Cauchy", scale, &this, location)?;
         Ok(this)
     }
+
+    /// The inverse CDF: the angle from the peak up to π/4, beyond from the end that is nearer.
+    #[inline]
+    fn place(&self, u: f64) -> f64 {
+        let (inner, outer) = (u - 0.5, if u < 0.5 { -u } else { 1.0 - u });
+        let central = inner.abs() <= 0.25;
+        let [sine, cosine] = tan_pi(if central { inner } else { outer });
+        let tan = if central { sine / cosine } else { cosine / sine };
+        self.location + self.scale * tan
+    }
 }
 
 /// The peak and the outermost samples must have normal densities.
@@ -107,13 +117,7 @@ impl InverseCdf for Cauchy {
         if !(0.0..=1.0).contains(&u) {
             return f64::NAN;
         }
-        if u < 0.25 {
-            self.location - self.scale / (PI * u).tan()
-        } else if u <= 0.75 {
-            self.location + self.scale * (PI * (u - 0.5)).tan()
-        } else {
-            self.location + self.scale / (PI * (1.0 - u)).tan()
-        }
+        self.place(u)
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -131,13 +135,7 @@ impl InverseCdf for Cauchy {
     }
 
     fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
-        batch::places(xi, xs, |u| {
-            let (inner, outer) = (u - 0.5, if u < 0.5 { -u } else { 1.0 - u });
-            let central = inner.abs() <= 0.25;
-            let [sine, cosine] = tan_pi(if central { inner } else { outer });
-            let tan = if central { sine / cosine } else { cosine / sine };
-            self.location + self.scale * tan
-        });
+        batch::places(xi, xs, |u| self.place(u));
     }
 }
 

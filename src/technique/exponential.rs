@@ -2,7 +2,7 @@
 
 use super::elementary::{clamp, exp, ln_sum};
 use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
-use super::{InverseCdf, Technique, batch, canonical};
+use super::{InverseCdf, SMALLEST, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, greater};
 
 /// The exponential density of rate λ on \[a, b\], with respect to length.
@@ -64,6 +64,19 @@ impl Exponential {
         Ok(this)
     }
 
+    /// [`place`](TwoSided::place) by the logarithm of a mass.
+    #[inline]
+    fn in_lanes(&self, logarithm: &Logarithm, below: f64, above: f64) -> f64 {
+        let grows = self.grows;
+        let dense = if grows { above } else { below };
+        let thin = if grows { below } else { above };
+        let (near, far) = if grows { (self.b, self.a) } else { (self.a, self.b) };
+        let rate = if grows { -self.decay.rate } else { self.decay.rate };
+        let (y, from_thin) = logarithm.place(dense, thin);
+        let end = if from_thin { far } else { near };
+        clamp(end + y / rate, self.a, self.b)
+    }
+
     /// The distances of `x` to the dense and to the thin end.
     fn distances(&self, x: f64) -> (f64, f64) {
         let x = x.clamp(self.a, self.b);
@@ -84,7 +97,10 @@ impl Technique for Exponential {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if self.a <= *x && *x <= self.b { self.decay.density(self.distances(*x).0) } else { 0.0 }
+        let inside = (self.a <= *x) & (*x <= self.b);
+        let t = if self.grows { self.b - x } else { x - self.a };
+        let p = self.decay.density(t);
+        if inside { p } else { 0.0 }
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -97,17 +113,6 @@ impl Technique for Exponential {
 
     fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
         batch::sample(self, xi, xs);
-    }
-
-    fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
-        let (dense, slope) =
-            if self.grows { (self.b, self.decay.rate) } else { (self.a, -self.decay.rate) };
-        let peak = self.decay.density(0.0);
-        for (p, x) in out.iter_mut().zip(xs) {
-            let inside = (self.a <= *x) & (*x <= self.b);
-            let density = peak * exp(slope * (x - dense));
-            *p = if inside { density } else { 0.0 };
-        }
     }
 }
 
@@ -123,35 +128,24 @@ impl TwoSided for Exponential {
     }
 
     fn place(&self, below: f64, above: f64) -> f64 {
-        let x = if self.grows {
-            match self.decay.place(above, below) {
-                Place::Dense(t) => self.b - t,
-                Place::Thin(t) => self.a + t,
-            }
-        } else {
-            match self.decay.place(below, above) {
-                Place::Dense(t) => self.a + t,
-                Place::Thin(t) => self.b - t,
-            }
+        if let Some(logarithm) = self.decay.logarithm_of(below, above) {
+            return self.in_lanes(logarithm, below, above);
+        }
+        let (dense, thin) = if self.grows { (above, below) } else { (below, above) };
+        let (near, far) = if self.grows { (self.b, self.a) } else { (self.a, self.b) };
+        let away = if self.grows { -1.0 } else { 1.0 };
+        let x = match self.decay.place(dense, thin) {
+            Place::Dense(t) => near + away * t,
+            Place::Thin(t) => far - away * t,
         };
         x.clamp(self.a, self.b)
     }
 
     fn places(&self, xi: &[f64], xs: &mut [f64]) {
-        let Some(logarithm) = self.decay.logarithm() else {
-            return batch::places(xi, xs, |u| self.place(u, 1.0 - u));
-        };
-        let (grows, rate) = (self.grows, self.decay.rate);
-        let (near, far, rate) =
-            if grows { (self.b, self.a, -rate) } else { (self.a, self.b, rate) };
-        batch::places(xi, xs, |u| {
-            let (below, above) = (u, 1.0 - u);
-            let dense = if grows { above } else { below };
-            let thin = if grows { below } else { above };
-            let (y, from_thin) = logarithm.place(dense, thin);
-            let end = if from_thin { far } else { near };
-            clamp(end + y / rate, self.a, self.b)
-        });
+        match self.decay.logarithm {
+            Some(l) => batch::places(xi, xs, |u| self.in_lanes(&l, u, 1.0 - u)),
+            None => batch::places(xi, xs, |u| self.place(u, 1.0 - u)),
+        }
     }
 }
 
@@ -164,6 +158,8 @@ pub(super) struct Decay {
     width: f64,
     /// ∫ e^(-rate t) over the width.
     norm: f64,
+    /// None where masses are so small that places are a matter of other formulas.
+    pub(super) logarithm: Option<Logarithm>,
 }
 
 /// Where a mass ends, counted from the nearer end.
@@ -177,7 +173,12 @@ pub(super) enum Place {
 impl Decay {
     /// `rate` >= 0 is finite; `width` > 0 may be infinite where rate > 0.
     pub(super) fn new(rate: f64, width: f64) -> Self {
-        Self { rate, width, norm: integral(rate, width) }
+        let depth = rate * width;
+        let logarithm =
+            Logarithm { dense: -(-depth).exp_m1(), thin: depth.exp_m1(), ratio: (-depth).exp() };
+        let normal = logarithm.dense * SMALLEST >= f64::MIN_POSITIVE;
+        let logarithm = normal.then_some(logarithm);
+        Self { rate, width, norm: integral(rate, width), logarithm }
     }
 
     pub(super) fn rate(&self) -> f64 {
@@ -185,7 +186,7 @@ impl Decay {
     }
 
     pub(super) fn density(&self, t: f64) -> f64 {
-        (-self.rate * t).exp() / self.norm
+        self.norm.recip() * exp(-self.rate * t)
     }
 
     pub(super) fn ln_density(&self, t: f64) -> f64 {
@@ -200,14 +201,9 @@ impl Decay {
         split(dense, thin)
     }
 
-    /// [`place`](Self::place) for loops, unless masses are so small that they need other formulas.
-    pub(super) fn logarithm(&self) -> Option<Logarithm> {
-        let depth = self.rate * self.width;
-        let dense = -(-depth).exp_m1();
-        // Times the smallest canonical number.
-        let normal = dense * f64::EPSILON / 4.0 >= f64::MIN_POSITIVE;
-        let (thin, ratio) = (depth.exp_m1(), (-depth).exp());
-        normal.then_some(Logarithm { dense, thin, ratio })
+    /// What serves instead of [`place`](Self::place) where neither mass is tiny.
+    pub(super) fn logarithm_of(&self, below: f64, above: f64) -> Option<&Logarithm> {
+        self.logarithm.as_ref().filter(|_| below.min(above) >= SMALLEST)
     }
 
     /// The place with the mass `dense` on one side and `thin` = 1 - `dense` on the other.
@@ -231,8 +227,8 @@ impl Decay {
     }
 }
 
-/// [`Decay::place`] in lanes.
-#[derive(Debug, Clone, Copy)]
+/// [`Decay::place`] without branches, for masses that are canonical numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Logarithm {
     /// 1 - e^-d, e^d - 1 and e^-d for the depth d = rate · width.
     dense: f64,

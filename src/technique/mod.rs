@@ -212,10 +212,12 @@ pub fn canonical(xi: &[f64], d: usize) -> f64 {
     xi.get(d).map_or(f64::NAN, |u| open(*u))
 }
 
+/// The smallest canonical number.
+const SMALLEST: f64 = f64::EPSILON / 4.0;
+
 /// `u`, moved into the open unit interval.
 #[inline]
 fn open(u: f64) -> f64 {
-    const SMALLEST: f64 = f64::EPSILON / 4.0;
     const LARGEST: f64 = 1.0 - f64::EPSILON / 2.0;
     u.clamp(SMALLEST, LARGEST)
 }

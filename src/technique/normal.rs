@@ -58,6 +58,18 @@ impl Normal {
     fn z(&self, x: f64) -> f64 {
         (x - self.mean) / self.sd
     }
+
+    /// The inverse CDF; NaN in the tails.
+    #[inline]
+    fn central(&self, u: f64) -> f64 {
+        let product = 4.0 * u * (1.0 - u);
+        let x = self.mean + self.sd * normal_quantile(2.0 * u - 1.0, product);
+        if product < NORMAL_TAIL { f64::NAN } else { x }
+    }
+
+    fn in_tail(&self, u: f64) -> f64 {
+        self.mean - self.sd * inverse_upper_tail(u)
+    }
 }
 
 impl Technique for Normal {
@@ -73,7 +85,7 @@ impl Technique for Normal {
 
     fn pdf(&self, x: &f64) -> f64 {
         let z = self.z(*x);
-        (-0.5 * z * z).exp() / TAU.sqrt() / self.sd
+        1.0 / TAU.sqrt() / self.sd * exp(-0.5 * z * z)
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -89,14 +101,6 @@ impl Technique for Normal {
     fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
         batch::sample(self, xi, xs);
     }
-
-    fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
-        let peak = 1.0 / TAU.sqrt() / self.sd;
-        for (p, x) in out.iter_mut().zip(xs) {
-            let z = self.z(*x);
-            *p = peak * exp(-0.5 * z * z);
-        }
-    }
 }
 
 impl InverseCdf for Normal {
@@ -108,7 +112,7 @@ impl InverseCdf for Normal {
         if !(0.0..=1.0).contains(&u) {
             return f64::NAN;
         }
-        self.mean - self.sd * inverse_upper_tail(u)
+        batch::one(u, |u| self.central(u), |u| self.in_tail(u))
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -123,13 +127,7 @@ impl InverseCdf for Normal {
     }
 
     fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
-        let in_lanes = |u: f64| {
-            let u = open(u);
-            let product = 4.0 * u * (1.0 - u);
-            let x = self.mean + self.sd * normal_quantile(2.0 * u - 1.0, product);
-            if product < NORMAL_TAIL { f64::NAN } else { x }
-        };
-        batch::map(xi, xs, in_lanes, |u| self.inverse_cdf(open(u)));
+        batch::map(xi, xs, |u| self.central(open(u)), |u| self.in_tail(open(u)));
     }
 }
 

@@ -1,7 +1,7 @@
 //! The power law.
 
-use super::elementary::{clamp, exp, ln_sum, times_exp};
-use super::exponential::{Decay, Place};
+use super::elementary::{clamp, ln_sum, times_exp};
+use super::exponential::{Decay, Logarithm, Place};
 use super::two_sided::{TwoSided, inverse_cdf_by_sides};
 use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, greater};
@@ -100,6 +100,50 @@ impl PowerLaw {
         if self.grows { self.hi } else { self.lo }
     }
 
+    /// The density; NaN where a factor of it leaves the range.
+    #[inline]
+    fn density(&self, x: f64) -> f64 {
+        let inside = (self.lo <= x) & (x <= self.hi);
+        let x = if x < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { x };
+        let larger = if self.grows { self.hi } else { x };
+        let smaller = if self.grows { x } else { self.lo };
+        // `ln_ratio` in one logarithm.
+        let (excess, ratio) = ((larger - smaller) / smaller, larger / smaller);
+        let near = excess < 1.0;
+        let lost = if near { excess - ((1.0 + excess) - 1.0) } else { 0.0 };
+        let distance = ln_sum(if near { 1.0 + excess } else { ratio }, lost);
+        let in_ln_x = self.decay.density(distance);
+        let sound = (in_ln_x >= f64::MIN_POSITIVE) & (ratio < f64::INFINITY);
+        let p = if sound { in_ln_x / x } else { f64::NAN };
+        if inside { p } else { 0.0 }
+    }
+
+    /// The density where a factor of it leaves the range.
+    fn far_density(&self, x: f64) -> f64 {
+        let x = x.max(f64::MIN_POSITIVE);
+        let in_ln_x = self.decay.density(self.distances(x).0);
+        if in_ln_x.is_normal() {
+            return in_ln_x / x;
+        }
+        // The density of ln x has underflown, that of x need not have: by the root of x^a.
+        let root = (0.5 * self.ln_power(x)).exp();
+        self.decay.density(0.0) * root / self.edge() * root
+    }
+
+    /// [`place`](TwoSided::place) by the logarithm of a mass.
+    #[inline]
+    fn in_lanes(&self, logarithm: &Logarithm, below: f64, above: f64) -> f64 {
+        let grows = self.grows;
+        let dense = if grows { above } else { below };
+        let thin = if grows { below } else { above };
+        let (near, far) = if grows { (self.hi, self.lo) } else { (self.lo, self.hi) };
+        let rate = if grows { -self.decay.rate() } else { self.decay.rate() };
+        let (y, from_thin) = logarithm.place(dense, thin);
+        let end = if from_thin { far } else { near };
+        let lowest = if self.lo < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { self.lo };
+        clamp(times_exp(end, y / rate), lowest, self.hi)
+    }
+
     /// ln((x / edge)^a).
     fn ln_power(&self, x: f64) -> f64 {
         let distance = self.distances(x).0;
@@ -154,17 +198,7 @@ impl Technique for PowerLaw {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if !(self.lo <= *x && *x <= self.hi) {
-            return 0.0;
-        }
-        let x = x.max(f64::MIN_POSITIVE);
-        let in_ln_x = self.decay.density(self.distances(x).0);
-        if in_ln_x.is_normal() {
-            return in_ln_x / x;
-        }
-        // The density of ln x has underflown, that of x need not have: by the root of x^a.
-        let root = (0.5 * self.ln_power(x)).exp();
-        self.decay.density(0.0) * root / self.edge() * root
+        batch::one(*x, |x| self.density(x), |x| self.far_density(x))
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -185,24 +219,7 @@ impl Technique for PowerLaw {
     }
 
     fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
-        let (grows, lo, hi) = (self.grows, self.lo, self.hi);
-        let (peak, rate) = (self.decay.density(0.0), self.decay.rate());
-        let in_lanes = |x: f64| {
-            let inside = (lo <= x) & (x <= hi);
-            let x = if x < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { x };
-            let larger = if grows { hi } else { x };
-            let smaller = if grows { x } else { lo };
-            // As `ln_ratio`, in one logarithm.
-            let (excess, ratio) = ((larger - smaller) / smaller, larger / smaller);
-            let near = excess < 1.0;
-            let lost = if near { excess - ((1.0 + excess) - 1.0) } else { 0.0 };
-            let distance = ln_sum(if near { 1.0 + excess } else { ratio }, lost);
-            let in_ln_x = peak * exp(-rate * distance);
-            let sound = (in_ln_x >= f64::MIN_POSITIVE) & (ratio < f64::INFINITY);
-            let p = if sound { in_ln_x / x } else { f64::NAN };
-            if inside { p } else { 0.0 }
-        };
-        batch::map(xs, out, in_lanes, |x| self.pdf(&x));
+        batch::map(xs, out, |x| self.density(x), |x| self.far_density(x));
     }
 }
 
@@ -218,36 +235,22 @@ impl TwoSided for PowerLaw {
     }
 
     fn place(&self, below: f64, above: f64) -> f64 {
-        let x = if self.grows {
-            match self.decay.place(above, below) {
-                Place::Dense(y) => self.down(y),
-                Place::Thin(y) => self.up(y),
-            }
-        } else {
-            match self.decay.place(below, above) {
-                Place::Dense(y) => self.up(y),
-                Place::Thin(y) => self.down(y),
-            }
+        if let Some(logarithm) = self.decay.logarithm_of(below, above) {
+            return self.in_lanes(logarithm, below, above);
+        }
+        let (dense, thin) = if self.grows { (above, below) } else { (below, above) };
+        let x = match (self.decay.place(dense, thin), self.grows) {
+            (Place::Dense(y), true) | (Place::Thin(y), false) => self.down(y),
+            (Place::Dense(y), false) | (Place::Thin(y), true) => self.up(y),
         };
         x.clamp(self.lo.max(f64::MIN_POSITIVE), self.hi)
     }
 
     fn places(&self, xi: &[f64], xs: &mut [f64]) {
-        let Some(logarithm) = self.decay.logarithm() else {
-            return batch::places(xi, xs, |u| self.place(u, 1.0 - u));
-        };
-        let (grows, rate) = (self.grows, self.decay.rate());
-        let (near, far, rate) =
-            if grows { (self.hi, self.lo, -rate) } else { (self.lo, self.hi, rate) };
-        let lowest = self.lo.max(f64::MIN_POSITIVE);
-        batch::places(xi, xs, |u| {
-            let (below, above) = (u, 1.0 - u);
-            let dense = if grows { above } else { below };
-            let thin = if grows { below } else { above };
-            let (y, from_thin) = logarithm.place(dense, thin);
-            let end = if from_thin { far } else { near };
-            clamp(times_exp(end, y / rate), lowest, self.hi)
-        });
+        match self.decay.logarithm {
+            Some(l) => batch::places(xi, xs, |u| self.in_lanes(&l, u, 1.0 - u)),
+            None => batch::places(xi, xs, |u| self.place(u, 1.0 - u)),
+        }
     }
 }
 

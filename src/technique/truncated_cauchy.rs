@@ -112,13 +112,11 @@ impl End {
 
     /// The x with atan(z) - atan(t) = `angle`.
     fn place(&self, angle: f64, scale: f64) -> f64 {
-        let (sin, cos) = angle.sin_cos();
-        self.at(sin, cos, scale)
-    }
-
-    /// The same, from any two numbers with the ratio of the sine and the cosine.
-    #[inline]
-    fn at(&self, sin: f64, cos: f64, scale: f64) -> f64 {
+        let turn = angle * FRAC_1_PI;
+        let steep = turn > 0.25;
+        // Numbers with the ratio of the sine and the cosine will do.
+        let [near, far] = tan_pi(if steep { 0.5 - turn } else { turn });
+        let (sin, cos) = (if steep { far } else { near }, if steep { near } else { far });
         let below = self.one * cos - self.t * sin;
         let from_peak = scale * ((self.t * cos + self.one * sin) / below);
         let from_edge = self.reach * (sin * (self.t * self.t + self.one * self.one) / below);
@@ -177,35 +175,20 @@ impl TwoSided for TruncatedCauchy {
     }
 
     fn place(&self, below: f64, above: f64) -> f64 {
-        let (a, b) = (self.lower.edge, -self.upper.edge);
-        let x = if below < above {
-            self.lower.place(below * self.lower.angle, self.scale)
-        } else {
-            -self.upper.place(above * self.upper.angle, self.scale)
-        };
-        x.clamp(a, b)
-    }
-
-    fn places(&self, xi: &[f64], xs: &mut [f64]) {
+        // Without branches, for loops over many masses.
         let (l, r) = (self.lower, self.upper);
-        batch::places(xi, xs, |u| {
-            let lower = u < 1.0 - u;
-            let pick = |of_lower, of_upper| if lower { of_lower } else { of_upper };
-            let end = End {
-                edge: pick(l.edge, r.edge),
-                location: pick(l.location, r.location),
-                reach: pick(l.reach, r.reach),
-                t: pick(l.t, r.t),
-                one: pick(l.one, r.one),
-                angle: pick(l.angle, r.angle),
-            };
-            let turn = pick(u, 1.0 - u) * end.angle * FRAC_1_PI;
-            let steep = turn > 0.25;
-            let [near, far] = tan_pi(if steep { 0.5 - turn } else { turn });
-            let (sin, cos) = (if steep { far } else { near }, if steep { near } else { far });
-            let x = end.at(sin, cos, self.scale);
-            clamp(if lower { x } else { -x }, l.edge, -r.edge)
-        });
+        let lower = below < above;
+        let pick = |of_lower, of_upper| if lower { of_lower } else { of_upper };
+        let end = End {
+            edge: pick(l.edge, r.edge),
+            location: pick(l.location, r.location),
+            reach: pick(l.reach, r.reach),
+            t: pick(l.t, r.t),
+            one: pick(l.one, r.one),
+            angle: pick(l.angle, r.angle),
+        };
+        let x = end.place(pick(below, above) * end.angle, self.scale);
+        clamp(if lower { x } else { -x }, l.edge, -r.edge)
     }
 }
 

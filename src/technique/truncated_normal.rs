@@ -45,8 +45,32 @@ pub struct TruncatedNormal {
     beta: Score,
     /// ∫ e^(-z²/2) dz from α to β, in the unit of [`Self::ln_shape`].
     total: f64,
+    line: Line,
     /// Masses up to which the series from a, and from b, serves.
     reach: [f64; 2],
+}
+
+/// The window on the whole line; all 0 where the window is small or off the peak.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Line {
+    /// The masses below α and above β.
+    tails: [f64; 2],
+    /// 2 Φ(α) - 1 and 2 Φ(β) - 1.
+    ends: [f64; 2],
+    /// Φ(β) - Φ(α), and twice that.
+    mass: f64,
+    span: f64,
+}
+
+impl Line {
+    fn new(alpha: f64, beta: f64) -> Self {
+        if alpha > 0.0 || beta - alpha < 1.0 {
+            return Self::default();
+        }
+        let ends = [alpha, beta].map(|z| libm::erf(z * FRAC_1_SQRT_2));
+        let span = ends[1] - ends[0];
+        Self { tails: [upper_tail(-alpha), upper_tail(beta)], ends, mass: 0.5 * span, span }
+    }
 }
 
 /// A standard score z and the value of e^(-z²/2) there, in the unit of
@@ -87,6 +111,7 @@ impl TruncatedNormal {
             alpha: Score { z: alpha, shape: 1.0 },
             beta: Score { z: beta, shape: 1.0 },
             total: 1.0,
+            line: Line::new(alpha, beta),
             reach: [0.0; 2],
         };
         this.alpha.shape = this.ln_shape(a).exp();
@@ -105,14 +130,37 @@ impl TruncatedNormal {
 
     /// ln of e^(-z²/2), in units of its value at a where a is above the mean: from the distance
     /// to a then, since z² loses digits far out.
+    #[inline]
     fn ln_shape(&self, x: f64) -> f64 {
-        if self.alpha.z > 0.0 {
-            let d = (x - self.a) / self.sd;
-            -d * (self.alpha.z + 0.5 * d)
-        } else {
-            let z = (x - self.mean) / self.sd;
-            -0.5 * z * z
-        }
+        let off_peak = self.alpha.z > 0.0;
+        let origin = if off_peak { self.a } else { self.mean };
+        let slope = if off_peak { self.alpha.z } else { 0.0 };
+        let d = (x - origin) / self.sd;
+        -d * (slope + 0.5 * d)
+    }
+
+    /// The x with the masses `below` and `above` on its sides, by the quantile of the whole line.
+    /// NaN where that is no way: near an end, in a tail, in a small window or one off the peak.
+    #[inline]
+    fn central(&self, below: f64, above: f64) -> f64 {
+        let Line { tails, ends, mass, span } = self.line;
+        let low = if self.mirrored { above } else { below };
+        let high = if self.mirrored { below } else { above };
+        let product = 4.0 * (tails[0] + low * mass) * (tails[1] + high * mass);
+        let lower = low < high;
+        let nearer = if lower { low } else { high };
+        let from = if lower { ends[0] } else { ends[1] };
+        let difference = from + nearer * if lower { span } else { -span };
+        let x = clamp(self.mean + self.sd * normal_quantile(difference, product), self.a, self.b);
+        let central = (product >= NORMAL_TAIL) & (nearer >= 1.0 / 512.0);
+        if central { if self.mirrored { -x } else { x } } else { f64::NAN }
+    }
+
+    /// The same for any window and masses.
+    fn near_end(&self, below: f64, above: f64) -> f64 {
+        let (below, above) = if self.mirrored { (above, below) } else { (below, above) };
+        let x = self.polish(self.mirrored_place(below, above), below, above);
+        self.mirror(x.clamp(self.a, self.b))
     }
 
     /// The mass above z >= 0, of the density that is not cut.
@@ -247,8 +295,10 @@ impl Technique for TruncatedNormal {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        let x = self.mirror(*x);
-        if self.a <= x && x <= self.b { self.ln_shape(x).exp() / self.total / self.sd } else { 0.0 }
+        let x = if self.mirrored { -x } else { *x };
+        let inside = (self.a <= x) & (x <= self.b);
+        let p = self.total.recip() / self.sd * exp(self.ln_shape(x));
+        if inside { p } else { 0.0 }
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -267,21 +317,6 @@ impl Technique for TruncatedNormal {
     fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
         batch::sample(self, xi, xs);
     }
-
-    fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
-        // `ln_shape`, whose two forms differ in the origin.
-        let off_peak = self.alpha.z > 0.0;
-        let (origin, slope) = if off_peak { (self.a, self.alpha.z) } else { (self.mean, 0.0) };
-        let peak = 1.0 / self.total / self.sd;
-        let mirror = if self.mirrored { -1.0 } else { 1.0 };
-        for (p, x) in out.iter_mut().zip(xs) {
-            let x = mirror * x;
-            let inside = (self.a <= x) & (x <= self.b);
-            let d = (x - origin) / self.sd;
-            let density = peak * exp(-d * (slope + 0.5 * d));
-            *p = if inside { density } else { 0.0 };
-        }
-    }
 }
 
 impl TwoSided for TruncatedNormal {
@@ -295,33 +330,12 @@ impl TwoSided for TruncatedNormal {
     }
 
     fn place(&self, below: f64, above: f64) -> f64 {
-        let (below, above) = if self.mirrored { (above, below) } else { (below, above) };
-        let x = self.polish(self.mirrored_place(below, above), below, above);
-        self.mirror(x.clamp(self.a, self.b))
+        batch::one(below, |below| self.central(below, above), |_| self.near_end(below, above))
     }
 
     fn places(&self, xi: &[f64], xs: &mut [f64]) {
-        let alone = |u| self.place(open(u), 1.0 - open(u));
-        if self.alpha.z > 0.0 || self.beta.z - self.alpha.z < 1.0 {
-            // A window off the peak, or small: the quantile of the whole line is no way there.
-            return batch::map(xi, xs, alone, alone);
-        }
-        let tails = [upper_tail(-self.alpha.z), upper_tail(self.beta.z)];
-        let [from, to] = [self.alpha.z, self.beta.z].map(|z| libm::erf(z * FRAC_1_SQRT_2));
-        let (span, mass) = (to - from, 0.5 * (to - from));
-        let mirror = if self.mirrored { -1.0 } else { 1.0 };
-        let in_lanes = |u| {
-            let u = open(u);
-            let below = if self.mirrored { 1.0 - u } else { u };
-            let above = if self.mirrored { u } else { 1.0 - u };
-            let product = 4.0 * (tails[0] + below * mass) * (tails[1] + above * mass);
-            let lower = below < above;
-            let difference = if lower { from + below * span } else { to - above * span };
-            let x = self.mean + self.sd * normal_quantile(difference, product);
-            let x = mirror * clamp(x, self.a, self.b);
-            if product < NORMAL_TAIL { f64::NAN } else { x }
-        };
-        batch::map(xi, xs, in_lanes, alone);
+        let central = |u| self.central(open(u), 1.0 - open(u));
+        batch::map(xi, xs, central, |u| self.near_end(open(u), 1.0 - open(u)));
     }
 }
 
