@@ -74,8 +74,12 @@ pub(super) fn representable(
 
 /// 1 / (angle γ (1 + z²)) at the distance `dx` = γ z from the peak.
 pub(super) fn density(dx: f64, scale: f64, angle: f64) -> f64 {
-    // Of the forms of γ (1 + z²) the one that overflows only where the density underflows.
-    angle.recip() / (scale + dx * (dx / scale))
+    // By the ratio of dx and γ that is at most 1: z² may overflow.
+    let far = dx.abs() > scale;
+    let larger = if far { dx.abs() } else { scale };
+    let ratio = if far { scale } else { dx.abs() } / larger;
+    let share = if far { ratio } else { 1.0 };
+    share * angle.recip() / (larger * (1.0 + ratio * ratio))
 }
 
 /// ln of [`density`], where that is not a normal number.

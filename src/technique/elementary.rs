@@ -5,8 +5,6 @@
 //! are used, none of them fused, so a number's bits depend neither on its place in a slice nor on
 //! the target. Coefficients are of minimax approximations, fitted with 50 digits.
 
-#![expect(clippy::inline_always, reason = "a call keeps a loop from becoming vector instructions")]
-
 /// 1.5 · 2⁵²: what is added to it is rounded to an integer, which ends up in the lowest bits.
 const SHIFT: f64 = 6_755_399_441_055_744.0;
 
@@ -46,13 +44,14 @@ pub(super) fn times_exp(c: f64, y: f64) -> f64 {
     let high = (0.001_388_888_891_748_456_2 + r * 0.000_198_412_697_840_220_65)
         + r2 * (2.480_152_086_387_809_5e-5 + r * 2.755_735_575_390_77e-6);
     let top = 2.762_029_786_013_184e-7 + r * 2.506_824_795_454_329e-8;
-    let power = 1.0 + (r + r2 * (low + r4 * (high + r4 * top)));
+    let excess = r + r2 * (low + r4 * (high + r4 * top));
     // 2^k in two factors: it may leave the range. Twice the bias of exponents keeps k + 2046
     // positive.
     let biased = shifted.to_bits().wrapping_sub(SHIFT.to_bits() - 2046);
     let first = biased >> 1;
     let second = biased.wrapping_sub(first);
-    (c * f64::from_bits(first << 52)) * power * f64::from_bits(second << 52)
+    let scaled = c * f64::from_bits(first << 52);
+    (scaled + scaled * excess) * f64::from_bits(second << 52)
 }
 
 /// ln(s + c), where s is a positive normal number and c at most a rounding error of s.

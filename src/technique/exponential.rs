@@ -32,6 +32,10 @@ pub struct Exponential {
     decay: Decay,
     /// The dense end is b.
     grows: bool,
+    /// The dense and the thin end, and the rate with its sign: what loops need without a branch.
+    near: f64,
+    far: f64,
+    rate: f64,
 }
 
 impl Exponential {
@@ -54,7 +58,9 @@ impl Exponential {
             return Err(ArgumentError::new("Exponential", "b - a", b - a, rule));
         }
         let decay = Decay::new(rate.abs(), b - a);
-        let this = Self { a, b, decay, grows: rate < 0.0 };
+        let grows = rate < 0.0;
+        let (near, far) = if grows { (b, a) } else { (a, b) };
+        let this = Self { a, b, decay, grows, near, far, rate };
         let samples = [this.sample(&[0.0]), this.sample(&[1.0])];
         let densities = [decay.density(0.0), this.pdf(&samples[0]), this.pdf(&samples[1])];
         if !(samples.iter().all(|x| x.is_finite()) && densities.iter().all(|p| p.is_normal())) {
@@ -65,16 +71,14 @@ impl Exponential {
     }
 
     /// [`place`](TwoSided::place) by the logarithm of a mass.
-    #[inline]
+    #[inline(always)]
     fn in_lanes(&self, logarithm: &Logarithm, below: f64, above: f64) -> f64 {
         let grows = self.grows;
         let dense = if grows { above } else { below };
         let thin = if grows { below } else { above };
-        let (near, far) = if grows { (self.b, self.a) } else { (self.a, self.b) };
-        let rate = if grows { -self.decay.rate } else { self.decay.rate };
         let (y, from_thin) = logarithm.place(dense, thin);
-        let end = if from_thin { far } else { near };
-        clamp(end + y / rate, self.a, self.b)
+        let end = if from_thin { self.far } else { self.near };
+        clamp(end + y / self.rate, self.a, self.b)
     }
 
     /// The distances of `x` to the dense and to the thin end.
@@ -96,10 +100,10 @@ impl Technique for Exponential {
         self.inverse_cdf(canonical(xi, 0))
     }
 
+    #[inline]
     fn pdf(&self, x: &f64) -> f64 {
         let inside = (self.a <= *x) & (*x <= self.b);
-        let t = if self.grows { self.b - x } else { x - self.a };
-        let p = self.decay.density(t);
+        let p = self.decay.peak * exp(-self.rate * (x - self.near));
         if inside { p } else { 0.0 }
     }
 
@@ -132,18 +136,20 @@ impl TwoSided for Exponential {
             return self.in_lanes(logarithm, below, above);
         }
         let (dense, thin) = if self.grows { (above, below) } else { (below, above) };
-        let (near, far) = if self.grows { (self.b, self.a) } else { (self.a, self.b) };
         let away = if self.grows { -1.0 } else { 1.0 };
         let x = match self.decay.place(dense, thin) {
-            Place::Dense(t) => near + away * t,
-            Place::Thin(t) => far - away * t,
+            Place::Dense(t) => self.near + away * t,
+            Place::Thin(t) => self.far - away * t,
         };
         x.clamp(self.a, self.b)
     }
 
     fn places(&self, xi: &[f64], xs: &mut [f64]) {
         match self.decay.logarithm {
-            Some(l) => batch::places(xi, xs, |u| self.in_lanes(&l, u, 1.0 - u)),
+            Some(l) => {
+                let this = *self; // which no write to `xs` can change
+                batch::places(xi, xs, |u| this.in_lanes(&l, u, 1.0 - u));
+            }
             None => batch::places(xi, xs, |u| self.place(u, 1.0 - u)),
         }
     }
@@ -158,6 +164,8 @@ pub(super) struct Decay {
     width: f64,
     /// ∫ e^(-rate t) over the width.
     norm: f64,
+    /// The density at the dense end.
+    pub(super) peak: f64,
     /// None where masses are so small that places are a matter of other formulas.
     pub(super) logarithm: Option<Logarithm>,
 }
@@ -178,15 +186,12 @@ impl Decay {
             Logarithm { dense: -(-depth).exp_m1(), thin: depth.exp_m1(), ratio: (-depth).exp() };
         let normal = logarithm.dense * SMALLEST >= f64::MIN_POSITIVE;
         let logarithm = normal.then_some(logarithm);
-        Self { rate, width, norm: integral(rate, width), logarithm }
-    }
-
-    pub(super) fn rate(&self) -> f64 {
-        self.rate
+        let norm = integral(rate, width);
+        Self { rate, width, norm, peak: norm.recip(), logarithm }
     }
 
     pub(super) fn density(&self, t: f64) -> f64 {
-        self.norm.recip() * exp(-self.rate * t)
+        self.peak * exp(-self.rate * t)
     }
 
     pub(super) fn ln_density(&self, t: f64) -> f64 {

@@ -4,6 +4,8 @@
 //! density p that the map produces. In other fields it is called a strategy, channel, proposal or
 //! importance distribution.
 
+#![expect(clippy::inline_always, reason = "a call keeps a loop from becoming vector instructions")]
+
 mod affine;
 mod batch;
 mod cauchy;

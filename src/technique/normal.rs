@@ -28,6 +28,8 @@ use std::f64::consts::TAU;
 pub struct Normal {
     mean: f64,
     sd: f64,
+    /// p(mean).
+    peak: f64,
 }
 
 impl Normal {
@@ -40,7 +42,7 @@ impl Normal {
     pub fn new(mean: f64, sd: f64) -> Result<Self, ArgumentError> {
         finite("Normal", "mean", mean)?;
         positive("Normal", "sd", sd)?;
-        let this = Self { mean, sd };
+        let this = Self { mean, sd, peak: 1.0 / TAU.sqrt() / sd };
         let points = [this.sample(&[0.0]), mean, this.sample(&[1.0])];
         if !points.iter().all(|x| x.is_finite() && this.pdf(x).is_normal()) {
             let rule = "samples and their densities must be within the range of normal numbers";
@@ -52,7 +54,7 @@ impl Normal {
     /// The normal density of mean 0 and standard deviation 1.
     #[must_use]
     pub fn standard() -> Self {
-        Self { mean: 0.0, sd: 1.0 }
+        Self { mean: 0.0, sd: 1.0, peak: 1.0 / TAU.sqrt() }
     }
 
     fn z(&self, x: f64) -> f64 {
@@ -60,7 +62,7 @@ impl Normal {
     }
 
     /// The inverse CDF; NaN in the tails.
-    #[inline]
+    #[inline(always)]
     fn central(&self, u: f64) -> f64 {
         let product = 4.0 * u * (1.0 - u);
         let x = self.mean + self.sd * normal_quantile(2.0 * u - 1.0, product);
@@ -83,9 +85,10 @@ impl Technique for Normal {
         self.inverse_cdf(canonical(xi, 0))
     }
 
+    #[inline]
     fn pdf(&self, x: &f64) -> f64 {
         let z = self.z(*x);
-        1.0 / TAU.sqrt() / self.sd * exp(-0.5 * z * z)
+        self.peak * exp(-0.5 * z * z)
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {

@@ -40,6 +40,13 @@ pub struct PowerLaw {
     decay: Decay,
     /// The dense end of ln x is ln hi.
     grows: bool,
+    /// The dense and the thin end of ln x, and the rate with its sign: what loops need without a
+    /// branch.
+    near: f64,
+    far: f64,
+    rate: f64,
+    /// The least sample.
+    lowest: f64,
 }
 
 impl PowerLaw {
@@ -79,7 +86,10 @@ impl PowerLaw {
         }
         let width = if lo == 0.0 { f64::INFINITY } else { ln_ratio(hi, lo) };
         let decay = Decay::new(m.abs(), width);
-        let this = Self { exponent, lo, hi, decay, grows: m > 0.0 };
+        let grows = m > 0.0;
+        let (near, far) = if grows { (hi, lo) } else { (lo, hi) };
+        let lowest = lo.max(f64::MIN_POSITIVE);
+        let this = Self { exponent, lo, hi, decay, grows, near, far, rate: -m, lowest };
         let samples = [0.0, 1.0].map(|xi| this.sample(&[xi]));
         if ![samples[0], samples[1], this.edge()].iter().all(|x| this.pdf(x).is_normal()) {
             let rule = "the densities of samples must be within the range of normal numbers";
@@ -101,7 +111,7 @@ impl PowerLaw {
     }
 
     /// The density; NaN where a factor of it leaves the range.
-    #[inline]
+    #[inline(always)]
     fn density(&self, x: f64) -> f64 {
         let inside = (self.lo <= x) & (x <= self.hi);
         let x = if x < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { x };
@@ -131,17 +141,14 @@ impl PowerLaw {
     }
 
     /// [`place`](TwoSided::place) by the logarithm of a mass.
-    #[inline]
+    #[inline(always)]
     fn in_lanes(&self, logarithm: &Logarithm, below: f64, above: f64) -> f64 {
         let grows = self.grows;
         let dense = if grows { above } else { below };
         let thin = if grows { below } else { above };
-        let (near, far) = if grows { (self.hi, self.lo) } else { (self.lo, self.hi) };
-        let rate = if grows { -self.decay.rate() } else { self.decay.rate() };
         let (y, from_thin) = logarithm.place(dense, thin);
-        let end = if from_thin { far } else { near };
-        let lowest = if self.lo < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { self.lo };
-        clamp(times_exp(end, y / rate), lowest, self.hi)
+        let end = if from_thin { self.far } else { self.near };
+        clamp(times_exp(end, y / self.rate), self.lowest, self.hi)
     }
 
     /// ln((x / edge)^a).
@@ -219,7 +226,8 @@ impl Technique for PowerLaw {
     }
 
     fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
-        batch::map(xs, out, |x| self.density(x), |x| self.far_density(x));
+        let this = *self; // which no write to `out` can change
+        batch::map(xs, out, |x| this.density(x), |x| self.far_density(x));
     }
 }
 
@@ -243,12 +251,15 @@ impl TwoSided for PowerLaw {
             (Place::Dense(y), true) | (Place::Thin(y), false) => self.down(y),
             (Place::Dense(y), false) | (Place::Thin(y), true) => self.up(y),
         };
-        x.clamp(self.lo.max(f64::MIN_POSITIVE), self.hi)
+        x.clamp(self.lowest, self.hi)
     }
 
     fn places(&self, xi: &[f64], xs: &mut [f64]) {
         match self.decay.logarithm {
-            Some(l) => batch::places(xi, xs, |u| self.in_lanes(&l, u, 1.0 - u)),
+            Some(l) => {
+                let this = *self; // which no write to `xs` can change
+                batch::places(xi, xs, |u| this.in_lanes(&l, u, 1.0 - u));
+            }
             None => batch::places(xi, xs, |u| self.place(u, 1.0 - u)),
         }
     }

@@ -190,6 +190,11 @@ impl TwoSided for TruncatedCauchy {
         let x = end.place(pick(below, above) * end.angle, self.scale);
         clamp(if lower { x } else { -x }, l.edge, -r.edge)
     }
+
+    fn places(&self, xi: &[f64], xs: &mut [f64]) {
+        let this = *self; // which no write to `xs` can change
+        batch::places(xi, xs, |u| this.place(u, 1.0 - u));
+    }
 }
 
 inverse_cdf_by_sides!(TruncatedCauchy);

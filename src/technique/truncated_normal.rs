@@ -43,8 +43,13 @@ pub struct TruncatedNormal {
     /// At a, which is not further below the mean than b is above it.
     alpha: Score,
     beta: Score,
+    /// Where [`Self::ln_shape`] is counted from, and its slope there.
+    origin: f64,
+    slope: f64,
     /// ∫ e^(-z²/2) dz from α to β, in the unit of [`Self::ln_shape`].
     total: f64,
+    /// 1 / (total sd).
+    peak: f64,
     line: Line,
     /// Masses up to which the series from a, and from b, serves.
     reach: [f64; 2],
@@ -110,13 +115,17 @@ impl TruncatedNormal {
             b,
             alpha: Score { z: alpha, shape: 1.0 },
             beta: Score { z: beta, shape: 1.0 },
+            origin: if alpha > 0.0 { a } else { mean },
+            slope: if alpha > 0.0 { alpha } else { 0.0 },
             total: 1.0,
+            peak: 1.0,
             line: Line::new(alpha, beta),
             reach: [0.0; 2],
         };
         this.alpha.shape = this.ln_shape(a).exp();
         this.beta.shape = this.ln_shape(b).exp();
         this.total = this.mass(this.alpha, this.beta, width);
+        this.peak = this.total.recip() / sd;
         this.reach = [alpha, -beta]
             .map(|z| if z.is_finite() { series(z, width.min(series_limit(z))) } else { 0.0 });
         let points = [this.sample(&[0.0]), mean.clamp(a, b), this.sample(&[1.0])];
@@ -132,16 +141,13 @@ impl TruncatedNormal {
     /// to a then, since z² loses digits far out.
     #[inline]
     fn ln_shape(&self, x: f64) -> f64 {
-        let off_peak = self.alpha.z > 0.0;
-        let origin = if off_peak { self.a } else { self.mean };
-        let slope = if off_peak { self.alpha.z } else { 0.0 };
-        let d = (x - origin) / self.sd;
-        -d * (slope + 0.5 * d)
+        let d = (x - self.origin) / self.sd;
+        -d * (self.slope + 0.5 * d)
     }
 
     /// The x with the masses `below` and `above` on its sides, by the quantile of the whole line.
     /// NaN where that is no way: near an end, in a tail, in a small window or one off the peak.
-    #[inline]
+    #[inline(always)]
     fn central(&self, below: f64, above: f64) -> f64 {
         let Line { tails, ends, mass, span } = self.line;
         let low = if self.mirrored { above } else { below };
@@ -294,10 +300,11 @@ impl Technique for TruncatedNormal {
         self.inverse_cdf(canonical(xi, 0))
     }
 
+    #[inline]
     fn pdf(&self, x: &f64) -> f64 {
         let x = if self.mirrored { -x } else { *x };
         let inside = (self.a <= x) & (x <= self.b);
-        let p = self.total.recip() / self.sd * exp(self.ln_shape(x));
+        let p = self.peak * exp(self.ln_shape(x));
         if inside { p } else { 0.0 }
     }
 
@@ -334,7 +341,8 @@ impl TwoSided for TruncatedNormal {
     }
 
     fn places(&self, xi: &[f64], xs: &mut [f64]) {
-        let central = |u| self.central(open(u), 1.0 - open(u));
+        let this = *self; // which no write to `xs` can change
+        let central = |u| this.central(open(u), 1.0 - open(u));
         batch::map(xi, xs, central, |u| self.near_end(open(u), 1.0 - open(u)));
     }
 }
