@@ -5,6 +5,8 @@
 //! are used, none of them fused, so a number's bits depend neither on its place in a slice nor on
 //! the target. Coefficients are of minimax approximations, fitted with 50 digits.
 
+use std::f64::consts::{LOG2_E, PI};
+
 /// 1.5 · 2⁵²: what is added to it is rounded to an integer, which ends up in the lowest bits.
 const SHIFT: f64 = 6_755_399_441_055_744.0;
 
@@ -33,7 +35,7 @@ pub(super) fn exp(y: f64) -> f64 {
 pub(super) fn times_exp(c: f64, y: f64) -> f64 {
     // Beyond, 2^k is more than two factors hold. NaN stays NaN.
     let y = clamp(y, -1417.0, 1417.0);
-    let shifted = y * std::f64::consts::LOG2_E + SHIFT;
+    let shifted = y * LOG2_E + SHIFT;
     let k = shifted - SHIFT;
     let r = (y - k * LN_2[0]) - k * LN_2[1];
     let r2 = r * r;
@@ -86,7 +88,7 @@ pub(super) fn ln_sum(s: f64, c: f64) -> f64 {
 pub(super) fn tan_pi(v: f64) -> [f64; 2] {
     let v2 = v * v;
     let sine = v
-        * (3.141_592_653_589_793_3
+        * (PI
             + v2 * (-3.977_592_998_685_887_4
                 + v2 * (0.858_666_459_368_745_9 + v2 * -0.022_602_795_257_554_44)));
     let cosine = 1.0
@@ -112,7 +114,7 @@ pub(super) fn normal_quantile(difference: f64, product: f64) -> f64 {
     let p = (1.253_314_137_315_500_3 + w * 0.494_306_817_895_235_8)
         + w2 * (0.132_100_679_651_623_57 + w * 0.025_433_195_594_374_987)
         + w4 * ((0.003_620_812_514_673_808 + w * 0.000_389_880_906_233_439_1)
-            + w2 * (3.091_596_256_682_324_5e-5 + w * 1.645_423_941_274_532_5e-6)
+            + w2 * (3.091_596_256_682_324e-5 + w * 1.645_423_941_274_532_5e-6)
             + w4 * 4.542_852_996_011_359e-8);
     let q = (1.0 + w * 0.132_600_390_499_053_36)
         + w2 * (0.057_654_354_761_355_34 + w * 0.006_105_706_173_207_858)
@@ -179,7 +181,7 @@ mod tests {
     fn tangents_to_two_ulp() {
         let worst = worst(1e-20, 0.25, |v| {
             let [sine, cosine] = tan_pi(v);
-            (sine / cosine, (std::f64::consts::PI * v).tan())
+            (sine / cosine, (PI * v).tan())
         });
         assert!(worst <= 3.0, "{worst}"); // of which π v has one and more
         assert_eq!(tan_pi(0.0)[0], 0.0);

@@ -255,7 +255,7 @@ impl Logarithm {
         let between = thin + dense * self.ratio;
         let near = near_dense | near_thin;
         let s = if near { near_one } else { between };
-        let lost = if near { y - (near_one - 1.0) } else { between - between }; // 0, or NaN
+        let lost = if near { y - (near_one - 1.0) } else { 0.0 * between }; // 0, or NaN
         (-ln_sum(s, lost), near_thin)
     }
 }

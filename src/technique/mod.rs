@@ -4,7 +4,11 @@
 //! density p that the map produces. In other fields it is called a strategy, channel, proposal or
 //! importance distribution.
 
-#![expect(clippy::inline_always, reason = "a call keeps a loop from becoming vector instructions")]
+#![expect(
+    clippy::inline_always,
+    clippy::needless_bitwise_bool,
+    reason = "a call or a branch keeps a loop from becoming vector instructions"
+)]
 
 mod affine;
 mod batch;
