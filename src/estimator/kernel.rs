@@ -24,8 +24,17 @@ pub(super) struct Kernel<'a, P, W> {
     pub(super) density_factors: &'a [f64],
     pub(super) weighting: &'a W,
     pub(super) on_fault: OnFault,
+    /// How many replicates the samples of a technique are divided among.
+    pub(super) replicates: usize,
     /// The most samples that a block has.
     pub(super) block: usize,
+}
+
+/// The samples of a block.
+pub(super) struct Batch {
+    pub(super) technique: usize,
+    pub(super) replicate: usize,
+    pub(super) samples: usize,
 }
 
 /// Buffers, used again from block to block, and from range to range.
@@ -73,7 +82,7 @@ impl<P, V> Buffers<P, V> {
 /// What is known of the samples so far.
 #[derive(Debug)]
 pub(super) struct Sums {
-    /// One for each component of each technique, a technique's side by side.
+    /// In the order of [`Part::contributions`].
     pub(super) contributions: Vec<Accumulator>,
     /// One for each technique.
     pub(super) counts: Vec<Counts>,
@@ -106,15 +115,16 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         for buffer in [&mut ratios.r, &mut ratios.ln_r] {
             buffer.resize(techniques, 0.0);
         }
-        let contributions = vec![Accumulator::default(); V::COMPONENTS * techniques];
+        let streams = techniques * self.replicates;
+        let contributions = vec![Accumulator::default(); V::COMPONENTS * streams];
         Sums { contributions, counts: vec![Counts::default(); techniques], evidence }
     }
 
-    /// Samples technique `i` at the `n` rows of `buffers.xi`, at most a block, and adds their
+    /// Samples a technique at the rows of `buffers.xi`, at most a block, and adds their
     /// contributions to `sums`. `index` numbers the samples.
     pub(super) fn block<F, I>(
         &self,
-        (i, n): (usize, usize),
+        batch: &Batch,
         index: impl Fn(usize) -> u64,
         f: &F,
         buffers: &mut Buffers<P, F::Value>,
@@ -125,6 +135,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         F: Integrand<P> + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
+        let Batch { technique: i, replicate, samples: n } = *batch;
         let Buffers { xi, xs, values, pdfs, factors, y, blocks, ratios, mixture } = buffers;
         let held = xs.len();
         self.techniques[i].sample_batch(xi, xs);
@@ -155,14 +166,14 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             }
         }
 
-        let mut zeros = 0;
+        let mut any_zero = true;
         for (c, y) in y.chunks_exact_mut(self.block).enumerate() {
-            zeros = 0;
             for ((y, value), factor) in y.iter_mut().zip(&*values).zip(&*factors) {
                 *y = value.times(c, *factor);
-                zeros += u64::from(*y == 0.0);
             }
-            blocks[c] = Moments::of_block(&y[..n]);
+            let (block, any) = Moments::and_zeros(&y[..n]);
+            blocks[c] = block;
+            any_zero &= any;
         }
         // A factor that is not exact is NaN, and so is then its contribution.
         if !(sound && blocks.iter().all(|block| block.mean.is_finite())) {
@@ -182,22 +193,22 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             }
             for (block, y) in blocks.iter_mut().zip(y.chunks_exact(self.block)) {
                 *block = Moments::of_block(&y[..n]);
-                zeros = y[..n].iter().map(|y| u64::from(*y == 0.0)).sum();
             }
+            any_zero = true;
         }
 
         for (j, ((x, value), weight)) in xs.iter().zip(&*values).zip(&*factors).enumerate() {
             let (weight, y) = (*weight, y.get(j..).unwrap_or_default());
-            let stride = self.block;
-            inspect(&Sample { technique: i, index: index(j), x, value, weight, y, stride });
+            let (index, stride) = (index(j), self.block);
+            inspect(&Sample { technique: i, replicate, index, x, value, weight, y, stride });
         }
         let rows = y.chunks_exact(self.block);
-        if rows.len() > 1 {
-            zeros = (0..n).map(|j| u64::from(rows.clone().all(|y| y[j] == 0.0))).sum();
-        }
+        let zero = |j: &usize| rows.clone().all(|y| y[*j] == 0.0);
+        let zeros = if any_zero { (0..n).filter(zero).count() as u64 } else { 0 };
         sums.counts[i].samples += n as u64;
         sums.counts[i].zero += zeros;
-        let contributions = &mut sums.contributions[i * F::Value::COMPONENTS..];
+        let stream = i * self.replicates + replicate;
+        let contributions = &mut sums.contributions[stream * F::Value::COMPONENTS..];
         for ((sum, y), block) in contributions.iter_mut().zip(rows.clone()).zip(&*blocks) {
             sum.push(&y[..n], *block, &index);
         }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::estimate::with_error;
 use crate::estimator::{Design, Frame};
+use crate::moments::Moments;
 use crate::part::Part;
 
 /// Where an observer puts what a sample adds to each of several sums.
@@ -117,17 +118,17 @@ impl Cell {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Cells {
     sums: usize,
-    /// A row for each technique.
+    /// A row for each replicate of each technique.
     rows: Vec<Cell>,
     pub(super) misplaced: u64,
 }
 
 impl Cells {
-    pub(super) fn new(techniques: usize, sums: usize) -> Self {
-        Self { sums, rows: vec![Cell::default(); techniques * sums], misplaced: 0 }
+    pub(super) fn new(streams: usize, sums: usize) -> Self {
+        Self { sums, rows: vec![Cell::default(); streams * sums], misplaced: 0 }
     }
 
-    /// Adds what `observe` says of one sample of technique `i`.
+    /// Adds what `observe` says of one sample of stream `i`, a replicate of a technique.
     pub(super) fn sample(
         &mut self,
         i: usize,
@@ -141,6 +142,15 @@ impl Cells {
         }
     }
 
+    pub(super) fn sums(&self) -> usize {
+        self.sums
+    }
+
+    /// How many samples added to each cell.
+    pub(super) fn counts(&self) -> impl ExactSizeIterator<Item = u64> {
+        self.rows.iter().map(|cell| cell.count)
+    }
+
     /// What tells these from other sums of the same samples.
     pub(super) fn words(&self) -> impl Iterator<Item = u64> {
         let words = |cell: &Cell| [cell.count, cell.mean.to_bits(), cell.m2.to_bits()];
@@ -151,11 +161,30 @@ impl Cells {
         for (left, right) in self.rows.iter_mut().zip(&right.rows) {
             *left = left.merge(*right);
         }
-        self.misplaced += right.misplaced;
+        // Calls are not bounded by the samples.
+        self.misplaced = self.misplaced.saturating_add(right.misplaced);
     }
 
-    /// The sums as estimates, where the samples were these.
-    pub(super) fn tallied(&self, frame: &Frame<'_>, part: &Part) -> Vec<Tallied> {
+    /// The sums as estimates, where the samples were these; `components` is the number of them in
+    /// the value.
+    pub(super) fn tallied(
+        &self,
+        frame: &Frame<'_>,
+        part: &Part,
+        components: usize,
+    ) -> Vec<Tallied> {
+        let replicates = part.replicates(components);
+        if replicates > 1 {
+            let samples: Vec<u64> = part
+                .contributions
+                .iter()
+                .step_by(components.max(1))
+                .map(|contributions| contributions.moments.count)
+                .collect();
+            return (0..self.sums)
+                .map(|k| self.tallied_in_replicates(frame, k, replicates, &samples))
+                .collect();
+        }
         let all = part.all().samples;
         let one = |k: usize| {
             let column = self.rows.iter().skip(k).step_by(self.sums);
@@ -182,6 +211,38 @@ impl Cells {
             Tallied { value, standard_error: known.then(|| variance.sqrt()), samples: added }
         };
         (0..self.sums).map(one).collect()
+    }
+
+    /// Sum `k` from the values that replicates come to, each for itself. `samples` are those of each
+    /// replicate of each technique.
+    fn tallied_in_replicates(
+        &self,
+        frame: &Frame<'_>,
+        k: usize,
+        replicates: usize,
+        samples: &[u64],
+    ) -> Tallied {
+        let cells: Vec<Cell> = self.rows.iter().skip(k).step_by(self.sums).copied().collect();
+        let value = |r: usize| {
+            let column = || cells.iter().zip(samples).skip(r).step_by(replicates);
+            let total: u64 = column().map(|(_, n)| n).sum();
+            let parts = column().zip(frame.shares).filter(|(_, share)| **share > 0.0);
+            parts.fold(0.0, |sum, ((cell, n), share)| {
+                let alpha = match frame.design {
+                    Design::Stratified => *share,
+                    Design::Pooled => *n as f64 / total as f64,
+                };
+                let mean = if *n > 0 { cell.of_all(*n).mean } else { f64::NAN };
+                // Where the part is random, it may be 0.
+                sum + if alpha == 0.0 { 0.0 } else { alpha * mean }
+            })
+        };
+        let values: Vec<f64> = (0..replicates).map(value).collect();
+        let values = Moments::of_block(&values);
+        let added = cells.iter().map(|cell| cell.count).sum();
+        let known = added > 0 && values.mean.is_finite();
+        let standard_error = values.standard_error().filter(|_| known);
+        Tallied { value: values.mean, standard_error, samples: added }
     }
 }
 
@@ -254,7 +315,7 @@ mod tests {
         let part = Part { contributions: Vec::new(), counts: counts.to_vec() };
         let (shares, on_fault) = (&[0.25, 0.75], OnFault::Error);
         let frame = Frame { design, shares, samples: 6, on_fault, weighting: &Balance };
-        cells.tallied(&frame, &part)
+        cells.tallied(&frame, &part, 1)
     }
 
     #[test]
@@ -285,6 +346,23 @@ mod tests {
     }
 
     #[test]
+    fn a_technique_without_a_share_takes_no_part() {
+        let mut cells = Cells::new(2, 1);
+        for amount in [1.0, 2.0, 4.0] {
+            cells.sample(1, &mut Pending::default(), |tally| tally.add(0, amount));
+        }
+        let counts = [0, 3].map(|samples| Counts { samples, ..Counts::default() });
+        let part = Part { contributions: Vec::new(), counts: counts.to_vec() };
+        let (design, on_fault) = (Design::Stratified, OnFault::Error);
+        let shares = &[0.0, 1.0];
+        let frame = Frame { design, shares, samples: 3, on_fault, weighting: &Balance };
+        let sum = cells.tallied(&frame, &part, 1)[0];
+        let (_, mean, m2) = plain(&[1.0, 2.0, 4.0]);
+        assert!((sum.value - mean).abs() < 1e-15);
+        assert!((sum.standard_error.unwrap() - (m2 / 6.0).sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
     fn what_cannot_be_known() {
         for design in [Design::Stratified, Design::Pooled] {
             let none = tallied(&Cells::new(2, 1), design, [3, 3]);
@@ -309,5 +387,9 @@ mod tests {
         assert_eq!(twice.misplaced, 4);
         agree(twice.rows[0], plain(&[1.0, 0.75, 1.0, 0.75]));
         agree(twice.rows[2], plain(&[4.0, 2.0, 4.0, 2.0]));
+        // No number of calls is too many.
+        twice.misplaced = u64::MAX;
+        twice.merge(&cells());
+        assert_eq!(twice.misplaced, u64::MAX);
     }
 }

@@ -22,11 +22,15 @@ fn threads_do_not_change_a_bit() {
 fn the_cases_are_of_several_rounds_with_a_cut_at_the_end() {
     for case in cases() {
         let whole = case.whole();
-        let converges = case.name == "tolerance";
+        let converges = case.name.starts_with("tolerance");
         assert_eq!(whole.stop == Stop::Tolerance, converges, "{case:?}");
         assert!(whole.samples > 1024);
         // Chunks of the second and third rounds have 64 and 128 samples.
-        assert_eq!(whole.samples % 64 == 0, converges || case.name == "one-sample", "{case:?}");
+        assert_eq!(
+            whole.samples % 64 == 0,
+            converges || case.name.starts_with("one-sample"),
+            "{case:?}"
+        );
     }
 }
 
@@ -64,8 +68,8 @@ fn golden_values() {
     ]
     .map(f64::to_bits);
     let golden = [
-        0x3feb_c38e_13ea_e506,
-        0x3f60_22ea_8e22_5971,
+        0x3feb_c38e_13ea_e504,
+        0x3f60_22ea_8e22_5970,
         0x3f57_b5eb_dcbb_b3ae,
         0x3f10_f7ea_8b4a_2a11,
         0x3ff7_a1aa_b3d0_3097,
