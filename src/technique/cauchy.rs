@@ -23,7 +23,8 @@ use std::f64::consts::{FRAC_1_PI, PI};
 /// ```
 ///
 /// Tails are taken as angles from their own end, P(x) = atan2(γ, x₀ - x) / π and
-/// P⁻¹(u) = x₀ - γ / tan(π u), without subtracting from 1/2.
+/// P⁻¹(u) = x₀ - γ / tan(π u), without subtracting from 1/2. Distances of samples from x₀, and
+/// densities, are within 4 ε (ε = 2⁻⁵²) of the formulas in `std`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[doc(alias("Breit-Wigner", "Lorentz", "Lorentzian"))]
 pub struct Cauchy {

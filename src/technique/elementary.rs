@@ -3,7 +3,9 @@
 //!
 //! Only additions, multiplications, divisions, square roots, comparisons and operations on bits
 //! are used, none of them fused, so a number's bits depend neither on its place in a slice nor on
-//! the target. Coefficients are of minimax approximations, fitted with 50 digits.
+//! the target. Coefficients are of minimax approximations, fitted with 50 digits. Exponentials and
+//! logarithms are within 1 ULP of those of `std`, quotients of [`tan_pi`] within 3,
+//! [`normal_quantile`] within 5 of that of `statrs`.
 
 use std::f64::consts::{LOG2_E, PI};
 

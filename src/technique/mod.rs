@@ -63,7 +63,10 @@ pub use uniform::Uniform;
 /// - `sample` and `pdf` do not panic, at ξ = 0 and at ξ = 1 - 2⁻⁵³ either.
 ///
 /// The estimators call the batch methods, once for a few hundred samples, so a
-/// `&dyn Technique<Point = P>` costs next to nothing.
+/// `&dyn Technique<Point = P>` costs next to nothing. A point's bits are the same in any batch and
+/// alone. Those of this crate's uniform, linear, exponential, power-law, normal and Cauchy densities,
+/// truncated or in a product, compile to vector instructions: two numbers at a time on any x86-64,
+/// four or eight where `-C target-cpu` allows it, with the same bits.
 ///
 /// # A technique of your own
 ///

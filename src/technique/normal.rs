@@ -22,7 +22,9 @@ use std::f64::consts::TAU;
 /// ```
 ///
 /// The complementary error function keeps its relative accuracy in both tails, to u = 1e-300 and
-/// below; it is `libm`'s, its inverse is `statrs`'s.
+/// below; it is `libm`'s, its inverse is `statrs`'s. Up to 2.9 standard deviations the inverse CDF
+/// is a rational approximation of relative error 3 ε (ε = 2⁻⁵²), within 5 ε of the other. Densities
+/// are within 3 ε of the formula in `std`, but for the rounding of z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[doc(alias("Gauss", "Gaussian"))]
 pub struct Normal {

@@ -27,7 +27,8 @@ use std::f64::consts::FRAC_1_PI;
 ///
 /// Differences of arc tangents are taken as one angle, atan2(z - t, 1 + t z), from the end that
 /// is nearer in mass, and x is placed from that end by z - t = (1 + t²) tan φ / (1 - t tan φ)
-/// where that is the shorter way: windows far off the peak keep their precision.
+/// where that is the shorter way: windows far off the peak keep their precision. Samples are within
+/// 6 ε (|x₀| + γ + |x|), densities within 5 ε of the formulas in `std` (ε = 2⁻⁵²).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[doc(alias("Breit-Wigner", "Lorentz", "Lorentzian"))]
 pub struct TruncatedCauchy {
