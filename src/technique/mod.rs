@@ -13,6 +13,7 @@
 mod affine;
 mod batch;
 mod cauchy;
+mod columns;
 mod elementary;
 mod exponential;
 mod fn_technique;

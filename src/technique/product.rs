@@ -1,6 +1,7 @@
 //! Products of independent coordinates: arrays of fixed length, vectors of run-time length, boxes.
 
-use super::{InverseCdf, Technique, Uniform, batch};
+use super::columns::{densities, fill_columns};
+use super::{InverseCdf, Technique, Uniform};
 use crate::error::{ArgumentError, finite, greater};
 
 /// The density of D independent coordinates, with respect to Lebesgue measure on R^D.
@@ -248,47 +249,6 @@ fn fill<T: InverseCdf>(coordinates: &[T], xi: &[f64], x: &mut [f64]) {
     }
 }
 
-/// [`fill`] of every row, a coordinate at a time; no more rows than points.
-fn fill_columns<T: InverseCdf, P: AsMut<[f64]>>(coordinates: &[T], xi: &[f64], xs: &mut [P]) {
-    let dimension = coordinates.len();
-    let (mut us, mut column) = ([0.0; batch::ROWS], [0.0; batch::ROWS]);
-    for (xi, xs) in xi.chunks(batch::ROWS * dimension).zip(xs.chunks_mut(batch::ROWS)) {
-        let (us, column) = (&mut us[..xs.len()], &mut column[..xs.len()]);
-        for (d, t) in coordinates.iter().enumerate() {
-            for (u, xi) in us.iter_mut().zip(xi.chunks_exact(dimension)) {
-                *u = xi[d];
-            }
-            t.sample_slice(us, column);
-            for (x, value) in xs.iter_mut().zip(&*column) {
-                x.as_mut()[d] = *value;
-            }
-        }
-    }
-}
-
-/// [`density`] at every point, a coordinate at a time.
-fn densities<T: InverseCdf, P: AsRef<[f64]>>(coordinates: &[T], xs: &[P], out: &mut [f64]) {
-    let (mut column, mut factors) = ([0.0; batch::ROWS], [0.0; batch::ROWS]);
-    for (xs, out) in xs.chunks(batch::ROWS).zip(out.chunks_mut(batch::ROWS)) {
-        let (column, factors) = (&mut column[..xs.len()], &mut factors[..xs.len()]);
-        out.fill(1.0);
-        for (d, t) in coordinates.iter().enumerate() {
-            for (value, x) in column.iter_mut().zip(xs) {
-                *value = x.as_ref()[d];
-            }
-            t.pdf_batch(column, factors);
-            for (p, factor) in out.iter_mut().zip(&*factors) {
-                *p *= factor;
-            }
-        }
-        for (p, x) in out.iter_mut().zip(xs) {
-            if !p.is_normal() {
-                *p = ln_density(coordinates, x.as_ref()).exp();
-            }
-        }
-    }
-}
-
 fn density<T: InverseCdf>(coordinates: &[T], x: &[f64]) -> f64 {
     let p: f64 = coordinates.iter().zip(x).map(|(t, x)| t.pdf(x)).product();
     if p.is_normal() {
@@ -299,7 +259,7 @@ fn density<T: InverseCdf>(coordinates: &[T], x: &[f64]) -> f64 {
     ln_density(coordinates, x).exp()
 }
 
-fn ln_density<T: InverseCdf>(coordinates: &[T], x: &[f64]) -> f64 {
+pub(super) fn ln_density<T: InverseCdf>(coordinates: &[T], x: &[f64]) -> f64 {
     let mut sum = 0.0;
     for (t, x) in coordinates.iter().zip(x) {
         let ln_p = t.ln_pdf(x);

@@ -2,7 +2,7 @@
 
 use super::elementary::{NORMAL_TAIL, clamp, exp, normal_quantile};
 use super::normal_tail::{
-    inverse_series, inverse_upper_tail, mills, series, series_limit, upper_tail,
+    Line, inverse_series, inverse_upper_tail, mills, series, series_limit, upper_tail,
 };
 use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
 use super::{InverseCdf, Technique, batch, canonical, open};
@@ -55,29 +55,6 @@ pub struct TruncatedNormal {
     line: Line,
     /// Masses up to which the series from a, and from b, serves.
     reach: [f64; 2],
-}
-
-/// The window on the whole line; all 0 where the window is small or off the peak.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Line {
-    /// The masses below α and above β.
-    tails: [f64; 2],
-    /// 2 Φ(α) - 1 and 2 Φ(β) - 1.
-    ends: [f64; 2],
-    /// Φ(β) - Φ(α), and twice that.
-    mass: f64,
-    span: f64,
-}
-
-impl Line {
-    fn new(alpha: f64, beta: f64) -> Self {
-        if alpha > 0.0 || beta - alpha < 1.0 {
-            return Self::default();
-        }
-        let ends = [alpha, beta].map(|z| libm::erf(z * FRAC_1_SQRT_2));
-        let span = ends[1] - ends[0];
-        Self { tails: [upper_tail(-alpha), upper_tail(beta)], ends, mass: 0.5 * span, span }
-    }
 }
 
 /// A standard score z and the value of e^(-z²/2) there, in the unit of
