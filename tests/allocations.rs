@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use allocation_counter::measure;
-use mis::technique::{Linear, Mixture, ProductVec, Uniform};
+use mis::technique::{Linear, Mixture, Product, ProductVec, TruncatedNormal, Uniform};
 use mis::weighting::{Constant, Power, Weighting};
 use mis::{Estimator, Integrand, MultiSample, OnFault, OneSample, Technique};
 
@@ -53,6 +53,15 @@ fn numbers() {
     assert_constant([&flat, &ramp], &|x: &f64| *x);
     let mixture = Mixture::new(vec![(flat, 0.25), (flat, 0.75)]).unwrap();
     assert_constant([&flat, &mixture], &|x: &f64| [*x, 1.0]);
+}
+
+/// Coordinates go through blocks on the stack.
+#[test]
+fn arrays() {
+    let peak = TruncatedNormal::new(0.3, 0.1, 0.0, 1.0).unwrap();
+    let (flat, peaks) = (Product::uniform([0.0; 3], [1.0; 3]).unwrap(), [peak; 3]);
+    let peaks = Product::new(peaks).unwrap();
+    assert_constant([&flat, &peaks], &|x: &[f64; 3]| x[0] + x[1] * x[2]);
 }
 
 /// A fault that is only counted is not described.

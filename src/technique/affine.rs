@@ -1,6 +1,7 @@
 //! The affine image of a technique on the line.
 
-use super::{InverseCdf, Technique, canonical};
+use super::elementary::clamp;
+use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite};
 
 /// The density of x = shift + scale · y for y from a technique T, with respect to length.
@@ -144,6 +145,26 @@ impl<T: InverseCdf> Technique for Affine<T> {
             f64::NEG_INFINITY
         }
     }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
+    }
+
+    fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
+        let (low, high) = self.inner_support;
+        let mut ys = [0.0; batch::ROWS];
+        for (xs, out) in xs.chunks(batch::ROWS).zip(out.chunks_mut(batch::ROWS)) {
+            let ys = &mut ys[..xs.len()];
+            for (y, x) in ys.iter_mut().zip(xs) {
+                *y = clamp((x - self.shift) / self.scale, low, high);
+            }
+            self.inner.pdf_batch(ys, out);
+            for (p, x) in out.iter_mut().zip(xs) {
+                let inside = (self.support.0 <= *x) & (*x <= self.support.1);
+                *p = if inside { *p / self.scale.abs() } else { 0.0 };
+            }
+        }
+    }
 }
 
 impl<T: InverseCdf> InverseCdf for Affine<T> {
@@ -185,6 +206,17 @@ impl<T: InverseCdf> InverseCdf for Affine<T> {
             self.inner.inverse_cdf(v)
         };
         self.place(1.0 - v, v, y)
+    }
+
+    fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
+        if self.scale < 0.0 {
+            // 1 - u would take the digits of a small u.
+            return batch::places(xi, xs, |u| self.inverse_cdf(u));
+        }
+        self.inner.sample_slice(xi, xs);
+        for (x, _) in xs.iter_mut().zip(xi) {
+            *x = clamp(self.shift + self.scale * *x, self.sampled.0, self.sampled.1);
+        }
     }
 }
 

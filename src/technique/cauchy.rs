@@ -1,6 +1,7 @@
 //! The Cauchy density on the whole line.
 
-use super::{InverseCdf, Technique, canonical};
+use super::elementary::tan_pi;
+use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, positive};
 use std::f64::consts::{FRAC_1_PI, PI};
 
@@ -22,7 +23,8 @@ use std::f64::consts::{FRAC_1_PI, PI};
 /// ```
 ///
 /// Tails are taken as angles from their own end, P(x) = atan2(γ, x₀ - x) / π and
-/// P⁻¹(u) = x₀ - γ / tan(π u), without subtracting from 1/2.
+/// P⁻¹(u) = x₀ - γ / tan(π u), without subtracting from 1/2. Distances of samples from x₀, and
+/// densities, are within 4 ε (ε = 2⁻⁵²) of the formulas in `std`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[doc(alias("Breit-Wigner", "Lorentz", "Lorentzian"))]
 pub struct Cauchy {
@@ -44,6 +46,16 @@ impl Cauchy {
         representable("Cauchy", scale, &this, location)?;
         Ok(this)
     }
+
+    /// The inverse CDF: the angle from the peak up to π/4, beyond from the end that is nearer.
+    #[inline]
+    fn place(&self, u: f64) -> f64 {
+        let (inner, outer) = (u - 0.5, if u < 0.5 { -u } else { 1.0 - u });
+        let central = inner.abs() <= 0.25;
+        let [sine, cosine] = tan_pi(if central { inner } else { outer });
+        let tan = if central { sine / cosine } else { cosine / sine };
+        self.location + self.scale * tan
+    }
 }
 
 /// The peak and the outermost samples must have normal densities.
@@ -63,12 +75,12 @@ pub(super) fn representable(
 
 /// 1 / (angle γ (1 + z²)) at the distance `dx` = γ z from the peak.
 pub(super) fn density(dx: f64, scale: f64, angle: f64) -> f64 {
-    let z = dx / scale;
-    if z.abs() <= 1.0 {
-        angle.recip() / (1.0 + z * z) / scale
-    } else {
-        angle.recip() / (z + z.recip()) / dx // z² may overflow
-    }
+    // By the ratio of dx and γ that is at most 1: z² may overflow.
+    let far = dx.abs() > scale;
+    let larger = if far { dx.abs() } else { scale };
+    let ratio = if far { scale } else { dx.abs() } / larger;
+    let share = if far { ratio } else { 1.0 };
+    share * angle.recip() / (larger * (1.0 + ratio * ratio))
 }
 
 /// ln of [`density`], where that is not a normal number.
@@ -95,6 +107,10 @@ impl Technique for Cauchy {
         let p = self.pdf(x);
         if p.is_normal() { p.ln() } else { ln_density(x - self.location, self.scale, PI) }
     }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
+    }
 }
 
 impl InverseCdf for Cauchy {
@@ -106,13 +122,7 @@ impl InverseCdf for Cauchy {
         if !(0.0..=1.0).contains(&u) {
             return f64::NAN;
         }
-        if u < 0.25 {
-            self.location - self.scale / (PI * u).tan()
-        } else if u <= 0.75 {
-            self.location + self.scale * (PI * (u - 0.5)).tan()
-        } else {
-            self.location + self.scale / (PI * (1.0 - u)).tan()
-        }
+        self.place(u)
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -127,6 +137,10 @@ impl InverseCdf for Cauchy {
             return f64::NAN;
         }
         self.location + self.scale / (PI * v).tan()
+    }
+
+    fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
+        batch::places(xi, xs, |u| self.place(u));
     }
 }
 

@@ -1,7 +1,8 @@
 //! The linear ramp.
 
+use super::elementary::clamp;
 use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, greater};
 
 /// The density on \[a, b\] that is proportional to a straight line, from the value f at a to the
@@ -72,6 +73,23 @@ impl Linear {
         u * (f + g) / (f + ((1.0 - u) * f * f + u * g * g).sqrt())
     }
 
+    /// The point with the mass `below` under it and `above` over it, but for rounding beyond an end.
+    fn root(&self, below: f64, above: f64) -> f64 {
+        // One square root for both sides, for loops over many masses.
+        let near_a = below < above;
+        let mass = if near_a { below } else { above };
+        let (near, far) = if near_a { (self.f, self.g) } else { (self.g, self.f) };
+        let distance = (self.b - self.a) * Self::share(mass, near, far);
+        if near_a { self.a + distance } else { self.b - distance }
+    }
+
+    /// The ends of what is sampled.
+    fn sampled(&self) -> (f64, f64) {
+        let lowest = if self.f == 0.0 { self.a.next_up() } else { self.a };
+        let highest = if self.g == 0.0 { self.b.next_down() } else { self.b };
+        (lowest, highest)
+    }
+
     /// The mass between the end of value `f` and the share `s` of the width.
     fn mass(s: f64, f: f64, g: f64) -> f64 {
         s * ((2.0 - s) * f + s * g) / (f + g)
@@ -90,12 +108,16 @@ impl Technique for Linear {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if !(self.a <= *x && *x <= self.b) {
-            return 0.0;
-        }
+        // Without branches, for loops over many points.
+        let inside = (self.a <= *x) & (*x <= self.b);
         let width = self.b - self.a;
         let line = self.f * ((self.b - x) / width) + self.g * ((x - self.a) / width);
-        2.0 * line / (self.f + self.g) / width
+        let p = 2.0 * line / (self.f + self.g) / width;
+        if inside { p } else { 0.0 }
+    }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
     }
 }
 
@@ -112,15 +134,13 @@ impl TwoSided for Linear {
     }
 
     fn place(&self, below: f64, above: f64) -> f64 {
-        let width = self.b - self.a;
-        let x = if below < above {
-            self.a + width * Self::share(below, self.f, self.g)
-        } else {
-            self.b - width * Self::share(above, self.g, self.f)
-        };
-        let lowest = if self.f == 0.0 { self.a.next_up() } else { self.a };
-        let highest = if self.g == 0.0 { self.b.next_down() } else { self.b };
-        x.clamp(lowest, highest)
+        let (lowest, highest) = self.sampled();
+        self.root(below, above).clamp(lowest, highest)
+    }
+
+    fn places(&self, xi: &[f64], xs: &mut [f64]) {
+        let (lowest, highest) = self.sampled();
+        batch::places(xi, xs, |u| clamp(self.root(u, 1.0 - u), lowest, highest));
     }
 }
 

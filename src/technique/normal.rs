@@ -1,7 +1,8 @@
 //! The normal density on the whole line.
 
+use super::elementary::{NORMAL_TAIL, exp, normal_quantile};
 use super::normal_tail::{inverse_upper_tail, upper_tail};
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, batch, canonical, open};
 use crate::error::{ArgumentError, finite, positive};
 use std::f64::consts::TAU;
 
@@ -21,12 +22,16 @@ use std::f64::consts::TAU;
 /// ```
 ///
 /// The complementary error function keeps its relative accuracy in both tails, to u = 1e-300 and
-/// below; it is `libm`'s, its inverse is `statrs`'s.
+/// below; it is `libm`'s, its inverse is `statrs`'s. Up to 2.9 standard deviations the inverse CDF
+/// is a rational approximation of relative error 3 ε (ε = 2⁻⁵²), within 5 ε of the other. Densities
+/// are within 3 ε of the formula in `std`, but for the rounding of z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[doc(alias("Gauss", "Gaussian"))]
 pub struct Normal {
     mean: f64,
     sd: f64,
+    /// p(mean).
+    peak: f64,
 }
 
 impl Normal {
@@ -39,7 +44,7 @@ impl Normal {
     pub fn new(mean: f64, sd: f64) -> Result<Self, ArgumentError> {
         finite("Normal", "mean", mean)?;
         positive("Normal", "sd", sd)?;
-        let this = Self { mean, sd };
+        let this = Self { mean, sd, peak: 1.0 / TAU.sqrt() / sd };
         let points = [this.sample(&[0.0]), mean, this.sample(&[1.0])];
         if !points.iter().all(|x| x.is_finite() && this.pdf(x).is_normal()) {
             let rule = "samples and their densities must be within the range of normal numbers";
@@ -51,11 +56,23 @@ impl Normal {
     /// The normal density of mean 0 and standard deviation 1.
     #[must_use]
     pub fn standard() -> Self {
-        Self { mean: 0.0, sd: 1.0 }
+        Self { mean: 0.0, sd: 1.0, peak: 1.0 / TAU.sqrt() }
     }
 
     fn z(&self, x: f64) -> f64 {
         (x - self.mean) / self.sd
+    }
+
+    /// The inverse CDF; NaN in the tails.
+    #[inline(always)]
+    fn central(&self, u: f64) -> f64 {
+        let product = 4.0 * u * (1.0 - u);
+        let x = self.mean + self.sd * normal_quantile(2.0 * u - 1.0, product);
+        if product < NORMAL_TAIL { f64::NAN } else { x }
+    }
+
+    fn in_tail(&self, u: f64) -> f64 {
+        self.mean - self.sd * inverse_upper_tail(u)
     }
 }
 
@@ -70,9 +87,10 @@ impl Technique for Normal {
         self.inverse_cdf(canonical(xi, 0))
     }
 
+    #[inline]
     fn pdf(&self, x: &f64) -> f64 {
         let z = self.z(*x);
-        (-0.5 * z * z).exp() / TAU.sqrt() / self.sd
+        self.peak * exp(-0.5 * z * z)
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -83,6 +101,10 @@ impl Technique for Normal {
         }
         let z = self.z(*x);
         -0.5 * z * z - 0.5 * TAU.ln() - self.sd.ln()
+    }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
     }
 }
 
@@ -95,7 +117,7 @@ impl InverseCdf for Normal {
         if !(0.0..=1.0).contains(&u) {
             return f64::NAN;
         }
-        self.mean - self.sd * inverse_upper_tail(u)
+        batch::one(u, |u| self.central(u), |u| self.in_tail(u))
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -107,6 +129,10 @@ impl InverseCdf for Normal {
             return f64::NAN;
         }
         self.mean + self.sd * inverse_upper_tail(v)
+    }
+
+    fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
+        batch::map(xi, xs, |u| self.central(open(u)), |u| self.in_tail(open(u)));
     }
 }
 

@@ -12,6 +12,29 @@ pub(super) fn inverse_upper_tail(v: f64) -> f64 {
     SQRT_2 * statrs::function::erf::erfc_inv(2.0 * v)
 }
 
+/// A window from z = α to β on the whole line; all 0 where the window is small or off the peak.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Line {
+    /// The masses below α and above β.
+    pub(super) tails: [f64; 2],
+    /// 2 Φ(α) - 1 and 2 Φ(β) - 1.
+    pub(super) ends: [f64; 2],
+    /// Φ(β) - Φ(α), and twice that.
+    pub(super) mass: f64,
+    pub(super) span: f64,
+}
+
+impl Line {
+    pub(super) fn new(alpha: f64, beta: f64) -> Self {
+        if alpha > 0.0 || beta - alpha < 1.0 {
+            return Self::default();
+        }
+        let ends = [alpha, beta].map(|z| libm::erf(z * FRAC_1_SQRT_2));
+        let span = ends[1] - ends[0];
+        Self { tails: [upper_tail(-alpha), upper_tail(beta)], ends, mass: 0.5 * span, span }
+    }
+}
+
 /// Distances d where |z| d + d²/2 <= 1.
 pub(super) fn series_limit(z: f64) -> f64 {
     2.0 / (z.abs() + z.hypot(SQRT_2)) // z² may overflow

@@ -1,6 +1,7 @@
 //! Piecewise constant densities.
 
-use super::{InverseCdf, Technique, canonical};
+use super::elementary::clamp;
+use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, greater};
 
 pub(super) const OWNER: &str = "PiecewiseConstant";
@@ -34,10 +35,36 @@ pub(super) const OWNER: &str = "PiecewiseConstant";
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecewiseConstant {
     edges: Vec<f64>,
-    probabilities: Vec<f64>,
-    /// `below[k]` is the probability of the bins before k, `above[k]` of k and those after it.
-    below: Vec<f64>,
-    above: Vec<f64>,
+    bins: Vec<Bin>,
+    /// The smallest u for which each bin, or one after it, has the mass u below its points.
+    starts: Vec<f64>,
+}
+
+/// One bin, and what a search for it leads to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Bin {
+    probability: f64,
+    /// The lower and the upper edge.
+    ends: [f64; 2],
+    /// The probabilities of the bins before and after.
+    beyond: [f64; 2],
+    /// The last point, which is not in the next bin.
+    last: f64,
+}
+
+impl Bin {
+    fn width(&self) -> f64 {
+        self.ends[1] - self.ends[0]
+    }
+
+    /// The point with the mass `v` beyond it on the lower (0) or the upper (1) `side`.
+    ///
+    /// Without branches: a side is a matter of chance.
+    fn place(&self, v: f64, side: usize) -> f64 {
+        let part = (v - self.beyond[side]) / self.probability;
+        let inwards = 1.0 - 2.0 * side as f64;
+        clamp(self.ends[side] + inwards * (part * self.width()), self.ends[0], self.last)
+    }
 }
 
 impl PiecewiseConstant {
@@ -99,40 +126,44 @@ impl PiecewiseConstant {
         // The sums of rounded probabilities, which are 1 to an ulp.
         below[probabilities.len()] = 1.0;
         above[0] = 1.0;
-        Ok(Self { edges, probabilities, below, above })
+        let mut bins = Vec::with_capacity(probabilities.len());
+        for (k, &probability) in probabilities.iter().enumerate() {
+            let ends = [edges[k], edges[k + 1]];
+            let last = if k + 1 == probabilities.len() { ends[1] } else { ends[1].next_down() };
+            bins.push(Bin { probability, ends, beyond: [below[k], above[k + 1]], last });
+        }
+        let starts = below.iter().zip(&above).map(|(&below, &above)| {
+            // From 1/2 on, the first u of which 1 - u is less than the mass above.
+            let u = 1.0 - above;
+            let from_above = if 1.0 - u < above { u } else { u.next_up() };
+            if below < 0.5 { below } else { from_above.max(0.5) }
+        });
+        let starts = starts.take(bins.len()).collect();
+        Ok(Self { edges, bins, starts })
     }
 
-    /// The bin that holds x; x must be in the support.
-    fn bin(&self, x: f64) -> usize {
+    /// The bin that holds x, or that is nearest to it.
+    fn bin(&self, x: f64) -> &Bin {
         let after = self.edges.partition_point(|&e| e <= x);
-        after.saturating_sub(1).min(self.probabilities.len() - 1)
+        &self.bins[after.saturating_sub(1).min(self.bins.len() - 1)]
     }
 
     fn contains(&self, x: f64) -> bool {
         self.edges[0] <= x && x <= self.edges[self.edges.len() - 1]
     }
 
-    /// The point of bin k at the fraction `part` of its width, and never in the next bin.
-    fn within(&self, k: usize, part: f64, from_above: bool) -> f64 {
-        let (low, high) = (self.edges[k], self.edges[k + 1]);
-        let x = if from_above { high - part * (high - low) } else { low + part * (high - low) };
-        let last = k + 1 == self.probabilities.len();
-        x.clamp(low, if last { high } else { high.next_down() })
-    }
-
-    /// The x with the mass `u` below it, from the sums from the left.
-    fn with_mass_below(&self, u: f64) -> f64 {
-        // The first sum that exceeds u ends the bin, which therefore has a positive probability.
-        let k = self.below.partition_point(|&sum| sum <= u).saturating_sub(1);
-        let k = k.min(self.probabilities.len() - 1);
-        self.within(k, (u - self.below[k]) / self.probabilities[k], false)
+    /// The x with the mass `u` below it.
+    fn place(&self, u: f64) -> f64 {
+        // The last bin that starts at or before u has, therefore, a positive probability.
+        let k = self.starts.partition_point(|&start| start <= u).saturating_sub(1);
+        let side = usize::from(u >= 0.5);
+        self.bins[k].place((side as f64 - u).abs(), side)
     }
 
     /// The x with the mass `v` above it, from the sums from the right.
     fn with_mass_above(&self, v: f64) -> f64 {
-        let k = self.above.partition_point(|&sum| sum > v).saturating_sub(1);
-        let k = k.min(self.probabilities.len() - 1);
-        self.within(k, (v - self.above[k + 1]) / self.probabilities[k], true)
+        let k = self.bins.partition_point(|bin| bin.beyond[1] > v);
+        self.bins[k.min(self.bins.len() - 1)].place(v, 1)
     }
 }
 
@@ -164,11 +195,8 @@ impl Technique for PiecewiseConstant {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if !self.contains(*x) {
-            return 0.0;
-        }
-        let k = self.bin(*x);
-        self.probabilities[k] / (self.edges[k + 1] - self.edges[k])
+        let bin = self.bin(*x);
+        if self.contains(*x) { bin.probability / bin.width() } else { 0.0 }
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -176,8 +204,12 @@ impl Technique for PiecewiseConstant {
             return f64::NEG_INFINITY;
         }
         // The quotient itself may underflow.
-        let k = self.bin(*x);
-        self.probabilities[k].ln() - (self.edges[k + 1] - self.edges[k]).ln()
+        let bin = self.bin(*x);
+        bin.probability.ln() - bin.width().ln()
+    }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
     }
 }
 
@@ -192,20 +224,13 @@ impl InverseCdf for PiecewiseConstant {
         if x >= self.edges[self.edges.len() - 1] {
             return 1.0;
         }
-        let k = self.bin(x);
-        let (low, high) = (self.edges[k], self.edges[k + 1]);
-        let sum = self.below[k] + (x - low) / (high - low) * self.probabilities[k];
+        let bin = self.bin(x);
+        let sum = bin.beyond[0] + (x - bin.ends[0]) / bin.width() * bin.probability;
         sum.min(1.0)
     }
 
     fn inverse_cdf(&self, u: f64) -> f64 {
-        if !(0.0..=1.0).contains(&u) {
-            f64::NAN
-        } else if u < 0.5 {
-            self.with_mass_below(u)
-        } else {
-            self.with_mass_above(1.0 - u)
-        }
+        if (0.0..=1.0).contains(&u) { self.place(u) } else { f64::NAN }
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -218,9 +243,8 @@ impl InverseCdf for PiecewiseConstant {
         if x >= self.edges[self.edges.len() - 1] {
             return 0.0;
         }
-        let k = self.bin(x);
-        let (low, high) = (self.edges[k], self.edges[k + 1]);
-        let sum = self.above[k + 1] + (high - x) / (high - low) * self.probabilities[k];
+        let bin = self.bin(x);
+        let sum = bin.beyond[1] + (bin.ends[1] - x) / bin.width() * bin.probability;
         sum.min(1.0)
     }
 
@@ -230,8 +254,12 @@ impl InverseCdf for PiecewiseConstant {
         } else if v < 0.5 {
             self.with_mass_above(v)
         } else {
-            self.with_mass_below(1.0 - v)
+            self.place(1.0 - v)
         }
+    }
+
+    fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
+        batch::places(xi, xs, |u| self.place(u));
     }
 }
 

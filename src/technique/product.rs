@@ -1,5 +1,6 @@
 //! Products of independent coordinates: arrays of fixed length, vectors of run-time length, boxes.
 
+use super::columns::{densities, fill_columns};
 use super::{InverseCdf, Technique, Uniform};
 use crate::error::{ArgumentError, finite, greater};
 
@@ -96,6 +97,18 @@ impl<T: InverseCdf, const D: usize> Technique for Product<T, D> {
     fn ln_pdf(&self, x: &[f64; D]) -> f64 {
         ln_density(&self.coordinates, x)
     }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<[f64; D]>) {
+        let n = xi.len() / D.max(1);
+        if xs.len() < n {
+            xs.resize(n, [0.0; D]);
+        }
+        fill_columns(&self.coordinates, xi, &mut xs[..n]);
+    }
+
+    fn pdf_batch(&self, xs: &[[f64; D]], out: &mut [f64]) {
+        densities(&self.coordinates, xs, out);
+    }
 }
 
 /// The density of independent coordinates whose number is known at run time, with respect to
@@ -188,6 +201,27 @@ impl<T: InverseCdf> Technique for ProductVec<T> {
         x.resize(self.coordinates.len(), 0.0);
         fill(&self.coordinates, xi, x);
     }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<Vec<f64>>) {
+        let n = xi.len() / self.coordinates.len();
+        if xs.len() < n {
+            xs.resize_with(n, Vec::new);
+        }
+        for x in &mut xs[..n] {
+            x.resize(self.coordinates.len(), 0.0);
+        }
+        fill_columns(&self.coordinates, xi, &mut xs[..n]);
+    }
+
+    fn pdf_batch(&self, xs: &[Vec<f64>], out: &mut [f64]) {
+        if xs.iter().all(|x| x.len() == self.coordinates.len()) {
+            densities(&self.coordinates, xs, out);
+        } else {
+            for (p, x) in out.iter_mut().zip(xs) {
+                *p = self.pdf(x);
+            }
+        }
+    }
 }
 
 fn not_empty(owner: &'static str, len: usize) -> Result<(), ArgumentError> {
@@ -225,7 +259,7 @@ fn density<T: InverseCdf>(coordinates: &[T], x: &[f64]) -> f64 {
     ln_density(coordinates, x).exp()
 }
 
-fn ln_density<T: InverseCdf>(coordinates: &[T], x: &[f64]) -> f64 {
+pub(super) fn ln_density<T: InverseCdf>(coordinates: &[T], x: &[f64]) -> f64 {
     let mut sum = 0.0;
     for (t, x) in coordinates.iter().zip(x) {
         let ln_p = t.ln_pdf(x);

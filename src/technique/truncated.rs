@@ -147,6 +147,14 @@ impl<T: InverseCdf> Technique for Truncated<T> {
             f64::NEG_INFINITY
         }
     }
+
+    fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
+        self.inner.pdf_batch(xs, out);
+        for (p, x) in out.iter_mut().zip(xs) {
+            let inside = (self.a <= *x) & (*x <= self.b);
+            *p = if inside { *p / self.mass } else { 0.0 };
+        }
+    }
 }
 
 impl<T: InverseCdf> InverseCdf for Truncated<T> {

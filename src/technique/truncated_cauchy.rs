@@ -1,9 +1,11 @@
 //! The Cauchy density, cut to an interval.
 
 use super::cauchy::{density, ln_density, representable};
+use super::elementary::{clamp, tan_pi};
 use super::two_sided::{TwoSided, inverse_cdf_by_sides, split};
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, greater, positive};
+use std::f64::consts::FRAC_1_PI;
 
 /// The Cauchy density cut to \[a, b\], with respect to length; either end may be infinite.
 ///
@@ -25,7 +27,8 @@ use crate::error::{ArgumentError, finite, greater, positive};
 ///
 /// Differences of arc tangents are taken as one angle, atan2(z - t, 1 + t z), from the end that
 /// is nearer in mass, and x is placed from that end by z - t = (1 + t²) tan φ / (1 - t tan φ)
-/// where that is the shorter way: windows far off the peak keep their precision.
+/// where that is the shorter way: windows far off the peak keep their precision. Samples are within
+/// 6 ε (|x₀| + γ + |x|), densities within 5 ε of the formulas in `std` (ε = 2⁻⁵²).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[doc(alias("Breit-Wigner", "Lorentz", "Lorentzian"))]
 pub struct TruncatedCauchy {
@@ -110,7 +113,11 @@ impl End {
 
     /// The x with atan(z) - atan(t) = `angle`.
     fn place(&self, angle: f64, scale: f64) -> f64 {
-        let (sin, cos) = angle.sin_cos();
+        let turn = angle * FRAC_1_PI;
+        let steep = turn > 0.25;
+        // Numbers with the ratio of the sine and the cosine will do.
+        let [near, far] = tan_pi(if steep { 0.5 - turn } else { turn });
+        let (sin, cos) = (if steep { far } else { near }, if steep { near } else { far });
         let below = self.one * cos - self.t * sin;
         let from_peak = scale * ((self.t * cos + self.one * sin) / below);
         let from_edge = self.reach * (sin * (self.t * self.t + self.one * self.one) / below);
@@ -136,10 +143,10 @@ impl Technique for TruncatedCauchy {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if !self.contains(*x) {
-            return 0.0;
-        }
-        density(x - self.lower.location, self.scale, self.lower.angle)
+        // Without branches, for loops over many points.
+        let inside = (self.lower.edge <= *x) & (*x <= -self.upper.edge);
+        let p = density(x - self.lower.location, self.scale, self.lower.angle);
+        if inside { p } else { 0.0 }
     }
 
     fn ln_pdf(&self, x: &f64) -> f64 {
@@ -151,6 +158,10 @@ impl Technique for TruncatedCauchy {
             return p.ln();
         }
         ln_density(x - self.lower.location, self.scale, self.lower.angle)
+    }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
     }
 }
 
@@ -165,13 +176,25 @@ impl TwoSided for TruncatedCauchy {
     }
 
     fn place(&self, below: f64, above: f64) -> f64 {
-        let (a, b) = (self.lower.edge, -self.upper.edge);
-        let x = if below < above {
-            self.lower.place(below * self.lower.angle, self.scale)
-        } else {
-            -self.upper.place(above * self.upper.angle, self.scale)
+        // Without branches, for loops over many masses.
+        let (l, r) = (self.lower, self.upper);
+        let lower = below < above;
+        let pick = |of_lower, of_upper| if lower { of_lower } else { of_upper };
+        let end = End {
+            edge: pick(l.edge, r.edge),
+            location: pick(l.location, r.location),
+            reach: pick(l.reach, r.reach),
+            t: pick(l.t, r.t),
+            one: pick(l.one, r.one),
+            angle: pick(l.angle, r.angle),
         };
-        x.clamp(a, b)
+        let x = end.place(pick(below, above) * end.angle, self.scale);
+        clamp(if lower { x } else { -x }, l.edge, -r.edge)
+    }
+
+    fn places(&self, xi: &[f64], xs: &mut [f64]) {
+        let this = *self; // which no write to `xs` can change
+        batch::places(xi, xs, |u| this.place(u, 1.0 - u));
     }
 }
 

@@ -1,5 +1,7 @@
 //! Densities whose masses are known on both sides of a point, without subtracting from 1.
 
+use super::batch;
+
 /// A density on the line of which both tails keep their precision.
 ///
 /// [`inverse_cdf_by_sides`] makes it an [`InverseCdf`](super::InverseCdf).
@@ -12,6 +14,11 @@ pub(super) trait TwoSided {
 
     /// The x with the mass `below` under it and `above` = 1 - `below` over it, neither of them 0.
     fn place(&self, below: f64, above: f64) -> f64;
+
+    /// [`place`](Self::place) of each canonical number and what it lacks to 1.
+    fn places(&self, xi: &[f64], xs: &mut [f64]) {
+        batch::places(xi, xs, |u| self.place(u, 1.0 - u));
+    }
 
     /// The same for any masses: an end where one is 0, NaN where they are none.
     fn inverse(&self, below: f64, above: f64) -> f64 {
@@ -58,6 +65,10 @@ macro_rules! inverse_cdf_by_sides {
 
             fn inverse_survival(&self, v: f64) -> f64 {
                 self.inverse(1.0 - v, v)
+            }
+
+            fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
+                self.places(xi, xs);
             }
         }
     };

@@ -1,6 +1,6 @@
 //! The uniform density on a finite interval.
 
-use super::{InverseCdf, Technique, canonical};
+use super::{InverseCdf, Technique, batch, canonical};
 use crate::error::{ArgumentError, finite, greater};
 
 /// The uniform density on \[a, b\], with respect to length.
@@ -45,6 +45,12 @@ impl Uniform {
     pub fn unit() -> Self {
         Self { a: 0.0, b: 1.0 }
     }
+
+    /// From the nearer end, so that neither end is overshot by rounding.
+    fn place(&self, u: f64) -> f64 {
+        let width = self.b - self.a;
+        if u < 0.5 { self.a + u * width } else { self.b - (1.0 - u) * width }
+    }
 }
 
 impl Technique for Uniform {
@@ -61,6 +67,10 @@ impl Technique for Uniform {
     fn pdf(&self, x: &f64) -> f64 {
         if self.a <= *x && *x <= self.b { (self.b - self.a).recip() } else { 0.0 }
     }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
+        batch::sample(self, xi, xs);
+    }
 }
 
 impl InverseCdf for Uniform {
@@ -72,9 +82,7 @@ impl InverseCdf for Uniform {
         if !(0.0..=1.0).contains(&u) {
             return f64::NAN;
         }
-        // From the nearer end, so that neither end is overshot by rounding.
-        let width = self.b - self.a;
-        if u < 0.5 { self.a + u * width } else { self.b - (1.0 - u) * width }
+        self.place(u)
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -87,5 +95,9 @@ impl InverseCdf for Uniform {
         }
         let width = self.b - self.a;
         if v < 0.5 { self.b - v * width } else { self.a + (1.0 - v) * width }
+    }
+
+    fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
+        batch::places(xi, xs, |u| self.place(u));
     }
 }

@@ -20,6 +20,7 @@ pub(crate) fn strict() -> Options {
 pub(crate) fn check(p: &dyn InverseCdf, n: usize, options: &Options) {
     let report = mis::check::inverse_cdf(p, &options.clone().samples(n));
     assert!(report.passed(), "{report}");
+    batch::check(p, n / 10);
 }
 
 /// One line a technique: a name, the technique, and the options that differ from the strict ones.
@@ -46,6 +47,7 @@ macro_rules! laws {
     )*};
 }
 
+mod batch;
 mod closed_forms;
 mod golden;
 mod points;
