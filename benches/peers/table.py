@@ -1,0 +1,136 @@
+"""Reads the lines of all runners; writes table.md, table.svg."""
+
+import math
+import statistics
+
+import plot
+
+# In the order of the columns. A method that is not listed comes after them.
+METHODS = [
+    "GSL plain",
+    "GSL MISER",
+    "GSL VEGAS",
+    "vegas 6",
+    "mchep VEGAS",
+    "mchep VEGAS+",
+    "scipy qmc_quad",
+    "mis uniform random",
+    "mis uniform Sobol'",
+    "mis uniform Sobol' 8",
+    "mis own random",
+    "mis own Sobol'",
+    "mis own Sobol' 8",
+]
+
+
+class Cell:
+    """What a method did on an integrand, over all seeds."""
+
+    def __init__(self, reference, runs):
+        values, errors, evaluations, seconds = map(list, zip(*runs))
+        off = [value - reference for value in values]
+        self.runs = len(runs)
+        self.evaluations = statistics.mean(evaluations)
+        self.seconds = statistics.median(seconds)
+        self.relative_mse = statistics.fmean(e * e for e in off) / reference**2
+        # A result that is exact to the last digits has no more digits to measure.
+        self.merit = 1 / (max(self.relative_mse, 2.0**-104) * self.seconds)
+        self.rate = self.evaluations / self.seconds
+        spread = statistics.stdev(values) if self.runs > 1 else 0
+        bias = statistics.fmean(off)
+        self.z = bias / (spread / math.sqrt(self.runs)) if spread > 0 else math.nan
+        self.coverage = statistics.fmean(abs(o) <= 2 * e for o, e in zip(off, errors))
+
+
+def read(suite, files):
+    """The cells by (integrand, method), the methods in order, the versions."""
+    references = {entry["name"]: entry["ref"] for entry in suite}
+    runs, versions = {}, []
+    for file in files:
+        for line in file.read_text().splitlines():
+            if line.startswith("#"):
+                versions.append(line[1:].strip())
+                continue
+            name, method, _seed, *numbers = line.split(",")
+            runs.setdefault((name, method), []).append([float(number) for number in numbers])
+    cells = {key: Cell(references[key[0]], of) for key, of in runs.items()}
+    methods = list(dict.fromkeys(method for _, method in cells))
+    methods.sort(key=lambda m: METHODS.index(m) if m in METHODS else len(METHODS))
+    return cells, methods, versions
+
+
+def grid(suite, methods, title, entry):
+    """A table with a row for each integrand and a column for each method."""
+    rows = [["integrand", *methods], ["---"] + ["---:"] * len(methods)]
+    for integrand in suite:
+        name = integrand["name"]
+        rows.append([name, *(entry(name, method) for method in methods)])
+    return f"## {title}\n\n" + "".join(f"| {' | '.join(row)} |\n" for row in rows)
+
+
+def scientific(x):
+    mantissa, exponent = f"{x:.1e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def ratios(suite, cells, methods):
+    """How the best of `mis` compares with the best peer."""
+    rows = [["integrand", "best peer", "its merit", "best of mis", "its merit", "ratio"]]
+    rows.append(["---", "---", "---:", "---", "---:", "---:"])
+    for integrand in suite:
+        name = integrand["name"]
+
+        def best(ours):
+            merits = [
+                (cells[name, m].merit, m)
+                for m in methods
+                if m.startswith("mis ") == ours and (name, m) in cells
+            ]
+            return max(merits, default=(math.nan, "-"))
+
+        (theirs, peer), (our, method) = best(False), best(True)
+        rows.append([name, peer, scientific(theirs), method, scientific(our), scientific(our / theirs)])
+    return "## Best of both\n\n" + "".join(f"| {' | '.join(row)} |\n" for row in rows)
+
+
+def write(suite, files, settings, folder):
+    """Writes the files into `folder`; returns the text of the table."""
+    cells, methods, versions = read(suite, files)
+
+    def entry(formatted):
+        return lambda *key: formatted(cells[key]) if key in cells else "-"
+
+    def merit(name, method):
+        if (name, method) not in cells:
+            return "-"
+        cell = cells[name, method]
+        best = max(cells[name, m].merit for m in methods if (name, m) in cells)
+        text = scientific(cell.merit) + ("!" if cell.coverage < 0.5 else "")
+        return f"**{text}**" if cell.merit == best else text
+
+    average = [
+        statistics.fmean(cells[e["name"], m].coverage for e in suite if (e["name"], m) in cells)
+        for m in methods
+    ]
+    tables = [
+        grid(suite, methods, "Figure of merit", merit),
+        ratios(suite, cells, methods),
+        grid(suite, methods, "Evaluations", entry(lambda c: f"{c.evaluations:.0f}")),
+        grid(suite, methods, "Million evaluations per second", entry(lambda c: f"{c.rate / 1e6:.1f}")),
+        grid(suite, methods, "Bias over its standard error", entry(lambda c: f"{c.z:.1f}")),
+        grid(suite, methods, "Coverage of 2 sigma", entry(lambda c: f"{c.coverage:.2f}"))
+        + f"| all | {' | '.join(f'{mean:.2f}' for mean in average)} |\n",
+    ]
+    text = f"""<!-- Written by `{settings["command"]}`; do not edit. -->
+{settings["seeds"]} seeds, {settings["evaluations"]} evaluations each, one thread. {settings["date"]},
+{settings["machine"]}.
+{"; ".join(settings["versions"] + sorted(versions) + settings["compilers"])}.
+
+Figure of merit: 1 / (relative mean squared error × seconds), the median of the seconds. A "!" marks
+methods whose 2 sigma held in fewer than half of the runs.
+
+""" + "\n".join(tables)
+    (folder / "table.md").write_text(text)
+    merits = {key: cell.merit for key, cell in cells.items()}
+    (folder / "table.svg").write_text(plot.svg([e["name"] for e in suite], methods, merits))
+    return text
