@@ -1,9 +1,6 @@
-//! The suite, and its integrands for one point and for four at once; see the table of kinds in
-//! README.md.
+//! The suite and its integrands; see the table of kinds in README.md.
 
 use std::f64::consts::{PI, TAU};
-use std::ops::{Add, Mul, Sub};
-use wide::f64x4;
 
 /// The largest dimension in the suite.
 pub const LARGEST: usize = 8;
@@ -39,8 +36,8 @@ pub enum Shape {
 pub struct Peak {
     pub centre: f64,
     pub sd: f64,
-    factor: f64,
-    rate: f64,
+    pub factor: f64,
+    pub rate: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -49,9 +46,9 @@ pub struct LobeAndDisk {
     pub radius: f64,
     pub centre: [f64; 2],
     pub disk: [f64; 2],
-    factor: f64,
-    rate: f64,
-    r2: f64,
+    pub factor: f64,
+    pub rate: f64,
+    pub r2: f64,
 }
 
 /// The integrands of a suite: a line each, of name, kind, d, number of parameters, parameters.
@@ -98,7 +95,8 @@ fn parse(line: &str) -> Option<Integrand> {
 /// The peak of weight, centre and standard deviation `p`.
 fn peak(d: usize, p: &[f64]) -> Peak {
     let (weight, centre, sd) = (p[0], p[1], p[2]);
-    let factor = weight * (TAU * sd * sd).powf(-0.5 * d as f64);
+    let norm: f64 = (0..d).map(|_| TAU * sd * sd).product();
+    let factor = weight / norm.sqrt();
     Peak { centre, sd, factor, rate: -0.5 / (sd * sd) }
 }
 
@@ -108,16 +106,26 @@ impl Integrand {
     pub fn eval(&self, x: &[f64]) -> f64 {
         match &self.shape {
             Shape::SinCos { b } => b * (b * x[0]).sin() * (b * x[0]).cos(),
-            Shape::Oscillatory { a, shift } => phase(x, a, *shift).cos(),
-            Shape::ProductPeak { c, u } => denominator(x, c, u, 1.0).recip(),
-            Shape::Gaussian { c, u } => (-weighted_square(x, c, u, 0.0)).exp(),
+            Shape::Oscillatory { a, shift } => {
+                (shift + x.iter().zip(a).map(|(x, a)| a * x).sum::<f64>()).cos()
+            }
+            Shape::ProductPeak { c, u } => {
+                let factors = x.iter().zip(c).zip(u).map(|((x, c), u)| c + (x - u) * (x - u));
+                factors.product::<f64>().recip()
+            }
+            Shape::Gaussian { c, u } => {
+                let terms = x.iter().zip(c).zip(u).map(|((x, c), u)| c * (x - u) * (x - u));
+                (-terms.sum::<f64>()).exp()
+            }
             Shape::C0 { a, u } => {
                 let terms = x.iter().zip(a).zip(u).map(|((x, a), u)| a * (x - u).abs());
                 (-terms.sum::<f64>()).exp()
             }
             Shape::Peaks(peaks) => {
-                let term =
-                    |peak: &Peak| peak.factor * (square(x, peak.centre, 0.0) * peak.rate).exp();
+                let term = |peak: &Peak| {
+                    let squares = x.iter().map(|x| (x - peak.centre) * (x - peak.centre));
+                    peak.factor * (peak.rate * squares.sum::<f64>()).exp()
+                };
                 peaks.iter().map(term).sum()
             }
             Shape::LobeAndDisk(LobeAndDisk { centre, disk, factor, rate, r2, .. }) => {
@@ -126,88 +134,6 @@ impl Integrand {
             }
         }
     }
-
-    /// f of four points; a row of `x` is a coordinate.
-    #[inline]
-    pub fn eval4(&self, x: &[f64x4]) -> f64x4 {
-        let zero = f64x4::splat(0.0);
-        match &self.shape {
-            Shape::SinCos { b } => {
-                let (sin, cos) = (x[0] * *b).sin_cos();
-                sin * cos * *b
-            }
-            Shape::Oscillatory { a, shift } => phase(x, a, f64x4::splat(*shift)).cos(),
-            Shape::ProductPeak { c, u } => {
-                f64x4::splat(1.0) / denominator(x, c, u, f64x4::splat(1.0))
-            }
-            Shape::Gaussian { c, u } => (zero - weighted_square(x, c, u, zero)).exp(),
-            Shape::C0 { a, u } => {
-                let terms = x.iter().zip(a).zip(u).map(|((x, a), u)| (*x - *u).abs() * *a);
-                (zero - terms.fold(zero, |sum, term| sum + term)).exp()
-            }
-            Shape::Peaks(peaks) => peaks.iter().fold(zero, |sum, peak| {
-                sum + (square(x, peak.centre, zero) * peak.rate).exp() * peak.factor
-            }),
-            Shape::LobeAndDisk(LobeAndDisk { centre, disk, factor, rate, r2, .. }) => {
-                let distance2 = |c: &[f64; 2]| {
-                    let (dx, dy) = (x[0] - c[0], x[1] - c[1]);
-                    dx * dx + dy * dy
-                };
-                let factors =
-                    distance2(disk).to_array().map(|d| if d < *r2 { *factor } else { 0.0 });
-                if factors == [0.0; 4] {
-                    return zero;
-                }
-                (distance2(centre) * *rate).exp() * f64x4::new(factors)
-            }
-        }
-    }
-}
-
-/// A number or four of them.
-trait Lanes:
-    Copy
-    + Add<Output = Self>
-    + Mul<Output = Self>
-    + Mul<f64, Output = Self>
-    + Add<f64, Output = Self>
-    + Sub<f64, Output = Self>
-{
-}
-impl Lanes for f64 {}
-impl Lanes for f64x4 {}
-
-/// `from` + Σ a x.
-#[inline]
-fn phase<T: Lanes>(x: &[T], a: &[f64], from: T) -> T {
-    x.iter().zip(a).fold(from, |sum, (x, a)| sum + *x * *a)
-}
-
-/// Π (c + (x - u)²), times `from`.
-#[inline]
-fn denominator<T: Lanes>(x: &[T], c: &[f64], u: &[f64], from: T) -> T {
-    x.iter().zip(c).zip(u).fold(from, |product, ((x, c), u)| {
-        let dx = *x - *u;
-        product * (dx * dx + *c)
-    })
-}
-
-/// `from` + Σ c (x - u)².
-#[inline]
-fn weighted_square<T: Lanes>(x: &[T], c: &[f64], u: &[f64], from: T) -> T {
-    x.iter().zip(c).zip(u).fold(from, |sum, ((x, c), u)| {
-        let dx = *x - *u;
-        sum + dx * dx * *c
-    })
-}
-
-/// `from` + Σ (x - centre)².
-#[inline]
-fn square<T: Lanes>(x: &[T], centre: f64, from: T) -> T {
-    x.iter().fold(from, |sum, x| {
-        let dx = *x - centre;
-        sum + dx * dx
-    })
 }
 
 /// Prints a line of results.

@@ -10,7 +10,8 @@ METHODS = [
     "GSL plain",
     "GSL MISER",
     "GSL VEGAS",
-    "vegas 6",
+    "vegas 6 5+5",
+    "vegas 6 10+10",
     "mchep VEGAS",
     "mchep VEGAS+",
     "scipy qmc_quad",
@@ -31,7 +32,8 @@ class Cell:
         off = [value - reference for value in values]
         self.runs = len(runs)
         self.evaluations = statistics.mean(evaluations)
-        self.seconds = statistics.median(seconds)
+        # The fastest but for a tenth: what else the machine did is not the method's.
+        self.seconds = sorted(seconds)[len(seconds) // 10]
         self.relative_mse = statistics.fmean(e * e for e in off) / reference**2
         # A result that is exact to the last digits has no more digits to measure.
         self.merit = 1 / (max(self.relative_mse, 2.0**-104) * self.seconds)
@@ -126,7 +128,8 @@ def write(suite, files, settings, folder):
 {settings["machine"]}.
 {"; ".join(settings["versions"] + sorted(versions) + settings["compilers"])}.
 
-Figure of merit: 1 / (relative mean squared error × seconds), the median of the seconds. A "!" marks
+Figure of merit: 1 / (relative mean squared error × seconds), the seconds of the
+fastest tenth of the runs. A "!" marks
 methods whose 2 sigma held in fewer than half of the runs.
 
 """ + "\n".join(tables)
