@@ -20,7 +20,7 @@ pub(crate) struct Contributions {
 }
 
 impl Contributions {
-    fn merge(self, right: Self) -> Self {
+    pub(crate) fn merge(self, right: Self) -> Self {
         let larger = right.extreme.y.abs() > self.extreme.y.abs();
         Self {
             moments: self.moments.merge(right.moments),
@@ -58,8 +58,8 @@ impl Counts {
 /// What a range of an estimator's samples came to.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Part {
-    /// One for each component of each technique, a technique's side by side; of contributions
-    /// y = w f / (α p), so that the estimate is their mean.
+    /// One for each component of each replicate of each technique, a technique's side by side, and
+    /// a replicate's; of contributions y = w f / (α p), so that the estimate is their mean.
     pub(crate) contributions: Vec<Contributions>,
     /// One for each technique.
     pub(crate) counts: Vec<Counts>,
@@ -67,11 +67,16 @@ pub struct Part {
 
 impl Part {
     /// No samples.
-    pub(crate) fn empty(techniques: usize, components: usize) -> Self {
+    pub(crate) fn empty(techniques: usize, replicates: usize, components: usize) -> Self {
         Self {
-            contributions: vec![Contributions::default(); techniques * components],
+            contributions: vec![Contributions::default(); techniques * replicates * components],
             counts: vec![Counts::default(); techniques],
         }
+    }
+
+    /// How many replicates the samples are divided among.
+    pub(crate) fn replicates(&self, components: usize) -> usize {
+        (self.contributions.len() / (self.counts.len() * components).max(1)).max(1)
     }
 
     /// Both parts together; `self` comes first.

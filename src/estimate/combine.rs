@@ -16,7 +16,14 @@ impl<V: Value> Estimate<V> {
 
     /// Contributions of technique `i`, component `c`.
     pub(super) fn of(&self, i: usize, c: usize) -> Contributions {
-        self.part.contributions.get(i * V::COMPONENTS + c).copied().unwrap_or_default()
+        let all = (0..self.replicates).map(|r| self.of_replicate(i, r, c));
+        all.reduce(Contributions::merge).unwrap_or_default()
+    }
+
+    /// The part of them that is replicate `r`'s.
+    pub(super) fn of_replicate(&self, i: usize, r: usize, c: usize) -> Contributions {
+        let at = (i * self.replicates + r) * V::COMPONENTS + c;
+        self.part.contributions.get(at).copied().unwrap_or_default()
     }
 
     pub(super) fn techniques_drawn(&self) -> Range<usize> {
@@ -38,8 +45,11 @@ impl<V: Value> Estimate<V> {
     }
 
     /// Σ α_i m_i. NaN as long as a technique that has a share has not drawn a sample: its part of
-    /// the integral is missing.
+    /// the integral is missing. From replicates, the mean of their values.
     pub(super) fn mean(&self, c: usize) -> f64 {
+        if let Some(values) = self.replicate_values(c) {
+            return values.mean;
+        }
         let mut sum = 0.0;
         for i in self.techniques_drawn() {
             let alpha = self.alpha(i);
@@ -63,6 +73,9 @@ impl<V: Value> Estimate<V> {
     /// The standard error of component `c`, whose value is `value`.
     pub(super) fn combined_error(&self, c: usize, value: f64) -> Option<f64> {
         let techniques = self.techniques_drawn();
+        if self.replicates > 1 {
+            return self.replicate_values(c).filter(|_| self.has_signal(c))?.standard_error();
+        }
         let known = match self.design {
             Design::Stratified => {
                 techniques.clone().all(|i| self.alpha(i) == 0.0 || self.count(i) > 1)
@@ -84,6 +97,9 @@ impl<V: Value> Estimate<V> {
 
     /// Technique `i`'s part of the standard error of component `c`; the parts add as squares.
     pub(crate) fn error_from(&self, i: usize, c: usize, value: f64) -> f64 {
+        if self.replicates > 1 {
+            return self.replicate_parts(i, c).and_then(|m| m.standard_error()).unwrap_or(0.0);
+        }
         match self.design {
             Design::Stratified => {
                 self.alpha(i) * self.moments(i, c).standard_error().unwrap_or(0.0)
@@ -96,6 +112,9 @@ impl<V: Value> Estimate<V> {
     }
 
     pub(super) fn degrees_of_freedom(&self, c: usize, error: f64) -> f64 {
+        if self.replicates > 1 {
+            return (self.replicates - 1) as f64;
+        }
         match self.design {
             Design::Stratified if error > 0.0 => self
                 .techniques_drawn()
@@ -122,6 +141,10 @@ impl<V: Value> Estimate<V> {
         };
         // The variances of the errors are unbiased, but the third moments are divided by n.
         let biased = |n: u64| (1.0 - 1.0 / n as f64).powf(1.5);
+        if self.replicates > 1 {
+            let values = self.replicate_values(c).unwrap_or_default();
+            return vec![values.skewness_of_mean()];
+        }
         match self.design {
             Design::Stratified => self
                 .techniques_drawn()
@@ -140,7 +163,8 @@ impl<V: Value> Estimate<V> {
     }
 
     pub(crate) fn interval_of(&self, c: usize, level: f64) -> Interval {
-        let skewness = self.skewness_parts(c).iter().sum();
+        // Of few replicates, the skewness is mostly noise.
+        let skewness = if self.replicates > 1 { 0.0 } else { self.skewness_parts(c).iter().sum() };
         Interval::hall(self.value_of(c), self.error_with_freedom(c), skewness, level)
     }
 
@@ -167,6 +191,10 @@ impl<V: Value> Estimate<V> {
             let deviation = m.standard_error().unwrap_or(0.0) * (m.count as f64).sqrt();
             Bounded { alpha, samples: m.count, deviation, bounds }
         };
+        if self.replicates > 1 {
+            // The value of a replicate is a mean of contributions: within their bounds.
+            return vec![of(1.0, self.replicate_values(c).unwrap_or_default())];
+        }
         let all = self.techniques_drawn().map(|i| (self.alpha(i), self.moments(i, c)));
         match self.design {
             Design::Stratified => all.map(|(alpha, m)| of(alpha, m)).collect(),
@@ -203,7 +231,11 @@ impl<V: Value> Estimate<V> {
 
     /// The part of the variance of component `c` that technique `i` is responsible for.
     pub(crate) fn share_of_variance(&self, i: usize, c: usize) -> Option<f64> {
-        let error = self.error_of(c).filter(|error| *error > 0.0)?;
-        Some((self.error_from(i, c, self.value_of(c)) / error).powi(2))
+        self.error_of(c).filter(|error| *error > 0.0)?;
+        let part = |i| self.error_from(i, c, self.value_of(c));
+        // Over the sum of all parts: that of replicates is not their error to the last digit.
+        let largest = self.techniques_drawn().map(part).fold(0.0, f64::max);
+        let sum: f64 = self.techniques_drawn().map(|i| (part(i) / largest).powi(2)).sum();
+        Some((part(i) / largest).powi(2) / sum)
     }
 }

@@ -3,6 +3,7 @@
 mod combine;
 mod display;
 mod interval;
+mod replicates;
 
 pub(crate) use display::with_error;
 pub use interval::Interval;
@@ -29,6 +30,8 @@ pub struct Estimate<V = f64> {
     part: Part,
     /// The counts of all techniques together.
     all: Counts,
+    /// R: the contributions of a technique are those of its replicates, side by side.
+    replicates: usize,
     /// Value and standard error of each component.
     results: Vec<(f64, Option<f64>)>,
     value: PhantomData<V>,
@@ -77,9 +80,9 @@ pub struct Largest {
 impl<V: Value> Estimate<V> {
     pub(crate) fn new(design: Design, shares: &[f64], part: Part) -> Self {
         let shares = shares.to_vec();
-        let all = part.all();
-        let mut estimate =
-            Self { design, shares, part, all, results: Vec::new(), value: PhantomData };
+        let (all, replicates) = (part.all(), part.replicates(V::COMPONENTS));
+        let (results, value) = (Vec::new(), PhantomData);
+        let mut estimate = Self { design, shares, part, all, replicates, results, value };
         for c in 0..V::COMPONENTS {
             let value = estimate.mean(c);
             estimate.results.push((value, estimate.combined_error(c, value)));
@@ -98,9 +101,11 @@ impl<V: Value> Estimate<V> {
     /// - Multi-sample: √(Σ α_i² s_i² / n_i), with α_i = n_i / N and s_i² the sample variance of
     ///   technique i's contributions times N.
     /// - One-sample: √(s² / N), over all contributions.
+    /// - From R [replicates](Estimate::replicates): √(s² / R), with s² the sample variance of the R
+    ///   values that they come to each; the value is the mean of these.
     ///
-    /// `None` where it cannot be known: a technique drew a single sample, or every
-    /// contribution is 0.
+    /// `None` where it cannot be known: a technique drew a single sample, or none for some
+    /// replicate, or every contribution is 0.
     #[must_use]
     pub fn standard_error(&self) -> V::Each<Option<f64>> {
         V::each(|c| self.error_of(c))
@@ -127,6 +132,9 @@ impl<V: Value> Estimate<V> {
     /// V² / Σ v_i² / (n_i - 1) for V = Σ v_i (multi-sample). Where a technique with two or three
     /// samples dominates the variance, even these are too many: from normal contributions with
     /// n = (2, 1000), 95 % t intervals cover 92 %.
+    ///
+    /// From R replicates, it is the t interval with R - 1 degrees of freedom, without a correction:
+    /// it holds its level better than others do, as R values say little about their skewness.
     ///
     /// Sources: P. Hall, *On the Removal of Skewness by Transformation*, 1992; F. E. Satterthwaite,
     /// *An Approximate Distribution of Estimates of Variance Components*, 1946,
@@ -191,12 +199,14 @@ impl<V: Value> Estimate<V> {
     }
 
     /// κ, by which to judge whether an interval holds its level: the skewness of the value, each
-    /// technique's part taken as positive, Σ |α_i³ μ_i / n_i²| / e³ (one-sample: |γ| / √N). `None`
-    /// where the standard error is unknown; 0 where it is 0.
+    /// technique's part taken as positive, Σ |α_i³ μ_i / n_i²| / e³ (one-sample: |γ| / √N; from R
+    /// replicates: |γ| / √R, with γ the sample skewness of their values). `None` where the standard
+    /// error is unknown; 0 where it is 0.
     ///
     /// Up to 0.07, 95 % intervals cover 94 to 96 %, if the contributions have a light tail. Above,
     /// there are too few samples for so skewed contributions: the true value is found less often on
-    /// one side.
+    /// one side. Of 16 replicates that are normal, κ is below 0.25 in 95 % of cases by chance, and no
+    /// more than 0.9 whatever they are.
     #[must_use]
     pub fn kappa(&self) -> V::Each<Option<f64>> {
         V::each(|c| self.kappa_of(c))
@@ -206,6 +216,13 @@ impl<V: Value> Estimate<V> {
     #[must_use]
     pub fn samples(&self) -> u64 {
         self.all.samples
+    }
+
+    /// R, the number of replicates that the samples were divided among, of which the standard error
+    /// is estimated; 1 where samples are independent, and so are all of its own.
+    #[must_use]
+    pub fn replicates(&self) -> usize {
+        self.replicates
     }
 
     /// What each technique did, in the order in which they were given.

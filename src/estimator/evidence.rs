@@ -54,12 +54,11 @@ impl Evidence {
         }
     }
 
-    /// How many samples of a block of technique `i` are to be looked at: none if any were before.
+    /// How many samples of a block of technique `i` are to be looked at.
     pub(super) fn look(&self, i: usize, samples: usize) -> usize {
-        match self.seen.get(i) {
-            Some(seen) if seen.samples == 0 => samples.min(LOOK),
-            _ => 0,
-        }
+        let seen = self.seen.get(i).map_or(0, |seen| seen.samples);
+        let left = LOOK.saturating_sub(usize::try_from(seen).unwrap_or(LOOK));
+        samples.min(left)
     }
 
     /// Adds the contributions of samples of technique `i`: a row for each component. In its block,
@@ -78,7 +77,8 @@ impl Evidence {
                 0 => samples,
                 _ => (0..samples).filter(is_some).count(),
             };
-            *seen = Seen { samples: samples as u64, contributions: contributions as u64 };
+            seen.samples += samples as u64;
+            seen.contributions += contributions as u64;
         }
         let tails = self.tails.iter_mut().skip(i * rows.len());
         for ((tail, y), block) in tails.zip(rows).zip(blocks) {

@@ -24,8 +24,17 @@ pub(super) struct Kernel<'a, P, W> {
     pub(super) density_factors: &'a [f64],
     pub(super) weighting: &'a W,
     pub(super) on_fault: OnFault,
+    /// How many replicates the samples of a technique are divided among.
+    pub(super) replicates: usize,
     /// The most samples that a block has.
     pub(super) block: usize,
+}
+
+/// The samples of a block.
+pub(super) struct Batch {
+    pub(super) technique: usize,
+    pub(super) replicate: usize,
+    pub(super) samples: usize,
 }
 
 /// Buffers, used again from block to block, and from range to range.
@@ -73,7 +82,7 @@ impl<P, V> Buffers<P, V> {
 /// What is known of the samples so far.
 #[derive(Debug)]
 pub(super) struct Sums {
-    /// One for each component of each technique, a technique's side by side.
+    /// In the order of [`Part::contributions`].
     pub(super) contributions: Vec<Accumulator>,
     /// One for each technique.
     pub(super) counts: Vec<Counts>,
@@ -106,15 +115,16 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         for buffer in [&mut ratios.r, &mut ratios.ln_r] {
             buffer.resize(techniques, 0.0);
         }
-        let contributions = vec![Accumulator::default(); V::COMPONENTS * techniques];
+        let streams = techniques * self.replicates;
+        let contributions = vec![Accumulator::default(); V::COMPONENTS * streams];
         Sums { contributions, counts: vec![Counts::default(); techniques], evidence }
     }
 
-    /// Samples technique `i` at the `n` rows of `buffers.xi`, at most a block, and adds their
+    /// Samples a technique at the rows of `buffers.xi`, at most a block, and adds their
     /// contributions to `sums`. `index` numbers the samples.
     pub(super) fn block<F, I>(
         &self,
-        (i, n): (usize, usize),
+        batch: &Batch,
         index: impl Fn(usize) -> u64,
         f: &F,
         buffers: &mut Buffers<P, F::Value>,
@@ -125,6 +135,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         F: Integrand<P> + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
+        let Batch { technique: i, replicate, samples: n } = *batch;
         let Buffers { xi, xs, values, pdfs, factors, y, blocks, ratios, mixture } = buffers;
         let held = xs.len();
         self.techniques[i].sample_batch(xi, xs);
@@ -188,8 +199,8 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
 
         for (j, ((x, value), weight)) in xs.iter().zip(&*values).zip(&*factors).enumerate() {
             let (weight, y) = (*weight, y.get(j..).unwrap_or_default());
-            let stride = self.block;
-            inspect(&Sample { technique: i, index: index(j), x, value, weight, y, stride });
+            let (index, stride) = (index(j), self.block);
+            inspect(&Sample { technique: i, replicate, index, x, value, weight, y, stride });
         }
         let rows = y.chunks_exact(self.block);
         if rows.len() > 1 {
@@ -197,7 +208,8 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         }
         sums.counts[i].samples += n as u64;
         sums.counts[i].zero += zeros;
-        let contributions = &mut sums.contributions[i * F::Value::COMPONENTS..];
+        let stream = i * self.replicates + replicate;
+        let contributions = &mut sums.contributions[stream * F::Value::COMPONENTS..];
         for ((sum, y), block) in contributions.iter_mut().zip(rows.clone()).zip(&*blocks) {
             sum.push(&y[..n], *block, &index);
         }

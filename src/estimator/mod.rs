@@ -143,6 +143,13 @@ impl Debug for Frame<'_> {
 /// call per block costs nothing.
 const BLOCK: usize = 512;
 
+/// Of a range of samples that are dealt in turn, those that fall to one replicate, as it numbers
+/// them.
+fn dealt(range: &Range<u64>, replicates: usize, replicate: usize) -> Range<u64> {
+    let before = |n: u64| n.saturating_sub(replicate as u64).div_ceil(replicates as u64);
+    before(range.start)..before(range.end)
+}
+
 /// How many of the `samples` that are left make the next block.
 fn block_size(samples: u64) -> usize {
     usize::try_from(samples).map_or(BLOCK, |samples| samples.min(BLOCK))

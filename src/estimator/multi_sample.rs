@@ -3,9 +3,9 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
-use super::kernel::{Buffers, Kernel};
+use super::kernel::{Batch, Buffers, Kernel};
 use super::sample::{OnFault, Sample};
-use super::{BLOCK, Draw, Dyn, Evidence, Frame, block_size, check_techniques};
+use super::{BLOCK, Draw, Dyn, Evidence, Frame, block_size, check_techniques, dealt};
 use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::Design;
 use crate::integrand::Integrand;
@@ -167,6 +167,7 @@ impl<P: Debug, W: Weighting> MultiSample<'_, P, W> {
         S: PointSource + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
+        let replicates = points.replicates().max(1);
         let most = ranges.iter().map(|range| range.end - range.start).max().unwrap_or(0);
         let kernel = Kernel {
             techniques: &self.techniques,
@@ -174,16 +175,22 @@ impl<P: Debug, W: Weighting> MultiSample<'_, P, W> {
             density_factors: &self.alpha,
             weighting: &self.weighting,
             on_fault: self.on_fault,
-            block: block_size(most),
+            replicates,
+            block: block_size(most.div_ceil(replicates as u64)),
         };
         let mut sums = kernel.start(buffers, evidence);
-        for (i, (dimension, range)) in self.dimensions.iter().zip(ranges).enumerate() {
-            for first in range.clone().step_by(BLOCK) {
-                let n = block_size(range.end - first);
-                buffers.xi.resize(n * dimension, 0.0);
-                points.fill(i, first, *dimension, &mut buffers.xi)?;
-                let index = |j: usize| first + j as u64;
-                kernel.block((i, n), index, f, buffers, &mut sums, &mut inspect)?;
+        for (technique, (dimension, range)) in self.dimensions.iter().zip(ranges).enumerate() {
+            for replicate in 0..replicates {
+                let range = dealt(range, replicates, replicate);
+                for first in range.clone().step_by(BLOCK) {
+                    let samples = block_size(range.end - first);
+                    buffers.xi.resize(samples * dimension, 0.0);
+                    let stream = technique * replicates + replicate;
+                    points.fill(stream, first, *dimension, &mut buffers.xi)?;
+                    let index = |j| (first + j as u64) * replicates as u64 + replicate as u64;
+                    let batch = Batch { technique, replicate, samples };
+                    kernel.block(&batch, index, f, buffers, &mut sums, &mut inspect)?;
+                }
             }
         }
         Ok(sums.finish())

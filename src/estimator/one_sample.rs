@@ -3,9 +3,9 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
-use super::kernel::{Buffers, Kernel};
+use super::kernel::{Batch, Buffers, Kernel};
 use super::sample::{OnFault, Sample};
-use super::{BLOCK, Draw, Dyn, Evidence, Frame, block_size, check_techniques};
+use super::{BLOCK, Draw, Dyn, Evidence, Frame, block_size, check_techniques, dealt};
 use crate::discrete::Discrete;
 use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::Design;
@@ -153,42 +153,47 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
         S: PointSource + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
+        let replicates = points.replicates().max(1);
         let kernel = Kernel {
             techniques: &self.techniques,
             alpha: &self.probabilities,
             density_factors: &self.density_factors,
             weighting: &self.weighting,
             on_fault: self.on_fault,
-            block: block_size(range.end - range.start),
+            replicates,
+            block: block_size((range.end - range.start).div_ceil(replicates as u64)),
         };
         let mut sums = kernel.start(buffers, evidence);
         let dimension = 1 + self.dimensions.iter().copied().max().unwrap_or(0);
         let mut rows = Vec::new();
         let mut choices = Vec::with_capacity(kernel.block);
         let mut selected = Vec::with_capacity(kernel.block);
-        for first in range.clone().step_by(BLOCK) {
-            let n = block_size(range.end - first);
-            rows.resize(n * dimension, 0.0);
-            points.fill(0, first, dimension, &mut rows)?;
-            let rows = rows.chunks_exact(dimension);
-            choices.clear();
-            choices.extend(rows.clone().map(|row| self.selection.select(row[0])));
-            for (i, own) in self.dimensions.iter().enumerate() {
-                let xi = &mut buffers.xi;
-                xi.clear();
-                selected.clear();
-                for ((row, choice), index) in rows.clone().zip(&choices).zip(first..) {
-                    if *choice == i {
-                        xi.extend_from_slice(&row[1..=*own]);
-                        selected.push(index);
+        for replicate in 0..replicates {
+            let range = dealt(&range, replicates, replicate);
+            for first in range.clone().step_by(BLOCK) {
+                let n = block_size(range.end - first);
+                rows.resize(n * dimension, 0.0);
+                points.fill(replicate, first, dimension, &mut rows)?;
+                let rows = rows.chunks_exact(dimension);
+                choices.clear();
+                choices.extend(rows.clone().map(|row| self.selection.select(row[0])));
+                for (technique, own) in self.dimensions.iter().enumerate() {
+                    let xi = &mut buffers.xi;
+                    xi.clear();
+                    selected.clear();
+                    for ((row, choice), number) in rows.clone().zip(&choices).zip(first..) {
+                        if *choice == technique {
+                            xi.extend_from_slice(&row[1..=*own]);
+                            selected.push(number * replicates as u64 + replicate as u64);
+                        }
                     }
+                    if selected.is_empty() {
+                        continue;
+                    }
+                    let index = |j: usize| selected.get(j).copied().unwrap_or(u64::MAX);
+                    let batch = Batch { technique, replicate, samples: selected.len() };
+                    kernel.block(&batch, index, f, buffers, &mut sums, &mut inspect)?;
                 }
-                if selected.is_empty() {
-                    continue;
-                }
-                let index = |j: usize| selected.get(j).copied().unwrap_or(u64::MAX);
-                let n = selected.len();
-                kernel.block((i, n), index, f, buffers, &mut sums, &mut inspect)?;
             }
         }
         Ok(sums.finish())

@@ -49,6 +49,7 @@ impl OnFault {
 #[derive(Debug, Clone, Copy)]
 pub struct Sample<'a, P, V> {
     pub(super) technique: usize,
+    pub(super) replicate: usize,
     pub(super) index: u64,
     pub(super) x: &'a P,
     pub(super) value: &'a V,
@@ -63,6 +64,13 @@ impl<'a, P, V: Value> Sample<'a, P, V> {
     #[must_use]
     pub fn technique(&self) -> usize {
         self.technique
+    }
+
+    /// The replicate that it belongs to; 0 where the samples are independent (see
+    /// [`PointSource::replicates`](crate::points::PointSource::replicates)).
+    #[must_use]
+    pub fn replicate(&self) -> usize {
+        self.replicate
     }
 
     /// Its index, counted within the technique (multi-sample) or over all samples (one-sample).

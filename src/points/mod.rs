@@ -1,25 +1,31 @@
 //! Point sources: where the canonical numbers ξ come from.
 
+mod directions;
+mod hash;
 mod random;
 mod replay;
+mod sobol;
 
 pub use random::Random;
 pub use replay::Replay;
+pub use sobol::Sobol;
 
 use std::fmt::Debug;
 
 /// A source of canonical numbers in the unit interval.
 ///
 /// The numbers are a function of (stream, sample, coordinate), so that any block of them can be
-/// had at any time, in any order. An estimator reads one stream a technique (multi-sample) or one
-/// stream in all (one-sample).
+/// had at any time, in any order.
+///
+/// The samples of a technique (multi-sample) or of all together (one-sample) are dealt to
+/// R = [`replicates`](PointSource::replicates) streams in turn. Technique i's sample j is sample
+/// ⌊j / R⌋ of stream i R + j mod R; one-sample, the streams are 0 to R - 1.
 ///
 /// What an estimator makes of them relies on this:
 ///
-/// - Each number is uniform in (0, 1), and different streams are independent of each other.
-/// - Standard errors and intervals hold for samples that are independent as well. From points that
-///   are spread more evenly, such as quasi-random ones, the value is better than its error says;
-///   estimate the error from several independent randomisations instead.
+/// - Each number is uniform in \[0, 1), and different streams are independent of each other.
+/// - Where R = 1, so are the samples of a stream. Otherwise the samples of a stream may depend on
+///   each other, and standard errors and intervals come from the R replicates alone.
 /// - Numbers outside \[0, 1\] are not looked for; techniques move them to the nearer end.
 pub trait PointSource: Sync + Debug {
     /// Fills `xi` with rows of `dimension` numbers: the rows belong to samples `first`,
@@ -35,6 +41,12 @@ pub trait PointSource: Sync + Debug {
         dimension: usize,
         xi: &mut [f64],
     ) -> Result<(), PointsExhausted>;
+
+    /// R, how many independent streams the samples of a technique are dealt to; 1 where all samples
+    /// are independent, which is the default.
+    fn replicates(&self) -> usize {
+        1
+    }
 }
 
 /// A point source that has fewer samples than an estimator asked for.

@@ -3,6 +3,7 @@
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Dxsm;
 
+use super::hash::hash;
 use super::{PointSource, PointsExhausted};
 
 /// How many samples share a generator. Part of the values that a seed stands for.
@@ -36,8 +37,7 @@ impl Random {
     fn generator(self, stream: u64, number: u64) -> Pcg64Dxsm {
         let mut bytes = [0; 32];
         for (word, lane) in bytes.chunks_exact_mut(8).zip(1..) {
-            let hash = [self.seed, stream, number].iter().fold(mix(lane), |h, w| mix(h ^ w));
-            word.copy_from_slice(&hash.to_le_bytes());
+            word.copy_from_slice(&hash(lane, &[self.seed, stream, number]).to_le_bytes());
         }
         Pcg64Dxsm::from_seed(bytes)
     }
@@ -81,14 +81,6 @@ impl PointSource for Random {
 /// to 1. They are the mantissa of a number in \[1, 2), from which 1 - 2⁻⁵³ is subtracted exactly.
 fn open_unit(bits: u64) -> f64 {
     f64::from_bits(bits >> 12 | 1_f64.to_bits()) - (1.0 - f64::EPSILON / 2.0)
-}
-
-/// `SplitMix64`: add the golden gamma, then the finaliser.
-fn mix(word: u64) -> u64 {
-    let z = word.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

@@ -31,7 +31,12 @@ impl<V: Value> Display for Report<V> {
                 let digits = with_error(end, Some(0.5 * (interval.upper - interval.lower)), 2);
                 digits.split('(').next().unwrap_or_default().to_owned()
             });
-            writeln!(f, "{} % interval{name}: [{lower}, {upper}]", short(100.0 * level))?;
+            let level = short(100.0 * level);
+            let of = match estimate.replicates() {
+                1 => String::new(),
+                replicates => format!(", from {replicates} replicates"),
+            };
+            writeln!(f, "{level} % interval{name}: [{lower}, {upper}]{of}")?;
         }
         let seconds = self.elapsed.as_secs_f64();
         let rate = self.drawn as f64 / seconds.max(1e-9);
@@ -86,8 +91,11 @@ impl<V: Value> Report<V> {
     }
 
     /// Σ (F_r - F)² / e_r² over the rounds whose error is known, F their mean by numbers of samples,
-    /// with their number less one.
+    /// with their number less one. Not of replicates, whose rounds depend on each other.
     fn agreement(&self) -> Option<(f64, f64)> {
+        if self.estimate().replicates() > 1 {
+            return None;
+        }
         let rounds = || {
             let all = self.rounds.iter().map(|round| {
                 let (value, error) = value_of(&round.estimate);

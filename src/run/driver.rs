@@ -29,7 +29,7 @@ use crate::points::PointSource;
 /// How many samples of each technique tell one run from another.
 const FIRST_SAMPLES: u64 = 16;
 
-/// The most sums of a tally, over all techniques: 400 MB for each chunk that is at work.
+/// The most sums of a tally, over all techniques and replicates: 400 MB for each chunk that is at work.
 const MOST_SUMS: usize = 1 << 24;
 
 pub(super) struct Driver<'a, P, F: ?Sized, E: ?Sized, S: ?Sized, O> {
@@ -83,7 +83,7 @@ where
             identity: self.identity(files.is_some()),
             shard: self.run.shard,
             limit: self.run.target.limit(frame.samples),
-            techniques: frame.shares.len(),
+            streams: self.job.streams(),
             path: self.run.checkpoint.clone(),
             save_every: self.run.save_every,
             began,
@@ -131,9 +131,9 @@ where
     fn check(&self, merges: bool) -> Result<(), ArgumentError> {
         let Run { target, shard, checkpoint, .. } = &self.run;
         target.check(F::Value::COMPONENTS)?;
-        let (sums, techniques) = (self.job.observer.sums(), self.frame().shares.len());
-        if sums.checked_mul(techniques).is_none_or(|cells| cells > MOST_SUMS) {
-            let rule = "there may be 2^24 at most, over all techniques";
+        let sums = self.job.observer.sums();
+        if sums.checked_mul(self.job.streams()).is_none_or(|cells| cells > MOST_SUMS) {
+            let rule = "there may be 2^24 at most, over all techniques and replicates";
             return Err(ArgumentError::new("Run::tally", "sums", sums, rule));
         }
         let fixed = !target.has_tolerance() && target.limit_of_time().is_none();
@@ -154,7 +154,7 @@ where
     fn identity(&self, merges: bool) -> Identity {
         let Job { estimator, f, points, observer, .. } = &self.job;
         let mut words = Vec::new();
-        let mut cells = Cells::new(self.frame().shares.len(), observer.sums());
+        let mut cells = Cells::new(self.job.streams(), observer.sums());
         if merges || self.run.checkpoint.is_some() {
             let mut pending = Pending::default();
             let probed = caught(|| {
@@ -167,7 +167,9 @@ where
                         (0..F::Value::COMPONENTS).map(|c| sample.contribution_to(c));
                     words.extend(contributions.map(f64::to_bits));
                     if observer.sums() > 0 {
-                        cells.sample(sample.technique(), &mut pending, |tally| {
+                        let stream =
+                            sample.technique() * self.job.replicates() + sample.replicate();
+                        cells.sample(stream, &mut pending, |tally| {
                             observer.observe(sample, tally);
                         });
                     }
@@ -229,9 +231,12 @@ where
                 self.watch(session, number, together, brake);
             }
             if self.run.target.has_tolerance() {
-                let judged = self.judged(own.clone());
+                // Replicates of twice the points have an error that hardly depends on the one
+                // before; and half of the points alone would be far from as even as all.
+                let fresh = if self.job.replicates() > 1 { together.clone() } else { own };
+                let judged = self.judged(fresh.clone());
                 if session.confirming && self.holds(&judged, Gate::Confirming, 1.0) {
-                    let confirming = Some((own, judged));
+                    let confirming = Some((fresh, judged));
                     return End { stop: Stop::Tolerance, fault: None, confirming, all, round };
                 }
                 session.confirming =
@@ -355,7 +360,7 @@ where
             stop: end.stop,
             status,
             rounds,
-            tallied: leaf.node.cells.tallied(&frame, &leaf.node.part),
+            tallied: leaf.node.cells.tallied(&frame, &leaf.node.part, F::Value::COMPONENTS),
             misplaced: leaf.node.cells.misplaced,
             samples,
             elapsed: session.began.elapsed(),
@@ -383,10 +388,10 @@ where
     /// No samples.
     fn nothing(&self) -> Leaf {
         let techniques = self.frame().shares.len();
-        let part = Part::empty(techniques, F::Value::COMPONENTS);
+        let part = Part::empty(techniques, self.job.replicates(), F::Value::COMPONENTS);
         let thresholds = vec![0.0; techniques * F::Value::COMPONENTS];
         let Evidence { tails, seen, densities } = Evidence::new(techniques, &thresholds);
-        let cells = Cells::new(techniques, self.job.observer.sums());
+        let cells = Cells::new(self.job.streams(), self.job.observer.sums());
         Leaf { node: Node { part, seen, densities, cells }, tails }
     }
 }

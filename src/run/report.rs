@@ -48,11 +48,12 @@ pub struct RoundSummary<V: Value = f64> {
 }
 
 impl<V: Value> Report<V> {
-    /// The estimate. Of the confirming round alone, if the run [converged](Stop::Tolerance);
-    /// of all samples, if it ended otherwise.
+    /// The estimate. Of the confirming round alone, if the run [converged](Stop::Tolerance) and its
+    /// samples are independent; of all samples, if it ended otherwise, or from replicates.
     ///
     /// The rounds before a confirming one decided when to stop, and their error is one of those
     /// that are small by chance; the confirming round is as large as all of them, and had no say.
+    /// Replicates of twice the points have an error that hardly depends on the one before.
     #[must_use]
     pub fn estimate(&self) -> &Estimate<V> {
         &self.judged.estimate

@@ -8,7 +8,7 @@ const FIRST: u64 = 1024;
 /// How many chunks a round is divided into, until chunks are full.
 const CHUNKS: u64 = 16;
 
-/// The samples of a full chunk, or 512 for each technique if that is more.
+/// The samples of a full chunk, or 512 for each stream of points if that is more.
 const FULL: u64 = 8192;
 
 /// The samples of a round, and how they are divided.
@@ -25,15 +25,15 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Round `number` (from 0) of a run that ends with sample `limit` and combines so many
-    /// techniques; empty if the run has ended before.
-    pub(super) fn new(number: u32, limit: u64, techniques: usize) -> Self {
+    /// Round `number` (from 0) of a run that ends with sample `limit` and draws from so many streams,
+    /// the replicates of all techniques; empty if the run has ended before.
+    pub(super) fn new(number: u32, limit: u64, streams: usize) -> Self {
         let before = |number: u32| match number {
             0 => 0,
             _ => u64::try_from(u128::from(FIRST) << (number - 1).min(64)).unwrap_or(u64::MAX),
         };
         let (start, end) = (before(number), before(number.saturating_add(1)));
-        let full = FULL.max(512 * techniques as u64);
+        let full = FULL.max(512 * streams as u64);
         let chunk = ((end - start) / CHUNKS).clamp(1, full);
         Self { start: start.min(limit), end: end.min(limit), chunk }
     }
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn full_chunks_give_every_technique_a_block() {
+    fn full_chunks_give_every_stream_a_block() {
         assert_eq!(Span::new(20, u64::MAX, 1).chunk(0).count(), 8192);
         assert_eq!(Span::new(20, u64::MAX, 64).chunk(0).count(), 512 * 64);
     }

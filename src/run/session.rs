@@ -14,8 +14,8 @@ pub(super) struct Session {
     pub(super) shard: Shard,
     /// The most samples, in all shards.
     pub(super) limit: u64,
-    /// Of the estimator.
-    pub(super) techniques: usize,
+    /// How many streams of points there are: the replicates of all techniques.
+    pub(super) streams: usize,
     pub(super) path: Option<PathBuf>,
     pub(super) save_every: Duration,
     pub(super) began: Instant,
@@ -32,7 +32,7 @@ pub(super) struct Session {
 
 impl Session {
     pub(super) fn span(&self, number: u32) -> Span {
-        Span::new(number, self.limit, self.techniques)
+        Span::new(number, self.limit, self.streams)
     }
 
     /// What a round has come to.

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::estimate::with_error;
 use crate::estimator::{Design, Frame};
+use crate::moments::Moments;
 use crate::part::Part;
 
 /// Where an observer puts what a sample adds to each of several sums.
@@ -117,17 +118,17 @@ impl Cell {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Cells {
     sums: usize,
-    /// A row for each technique.
+    /// A row for each replicate of each technique.
     rows: Vec<Cell>,
     pub(super) misplaced: u64,
 }
 
 impl Cells {
-    pub(super) fn new(techniques: usize, sums: usize) -> Self {
-        Self { sums, rows: vec![Cell::default(); techniques * sums], misplaced: 0 }
+    pub(super) fn new(streams: usize, sums: usize) -> Self {
+        Self { sums, rows: vec![Cell::default(); streams * sums], misplaced: 0 }
     }
 
-    /// Adds what `observe` says of one sample of technique `i`.
+    /// Adds what `observe` says of one sample of stream `i`, a replicate of a technique.
     pub(super) fn sample(
         &mut self,
         i: usize,
@@ -154,8 +155,26 @@ impl Cells {
         self.misplaced += right.misplaced;
     }
 
-    /// The sums as estimates, where the samples were these.
-    pub(super) fn tallied(&self, frame: &Frame<'_>, part: &Part) -> Vec<Tallied> {
+    /// The sums as estimates, where the samples were these; `components` is the number of them in
+    /// the value.
+    pub(super) fn tallied(
+        &self,
+        frame: &Frame<'_>,
+        part: &Part,
+        components: usize,
+    ) -> Vec<Tallied> {
+        let replicates = part.replicates(components);
+        if replicates > 1 {
+            let samples: Vec<u64> = part
+                .contributions
+                .iter()
+                .step_by(components.max(1))
+                .map(|contributions| contributions.moments.count)
+                .collect();
+            return (0..self.sums)
+                .map(|k| self.tallied_in_replicates(frame, k, replicates, &samples))
+                .collect();
+        }
         let all = part.all().samples;
         let one = |k: usize| {
             let column = self.rows.iter().skip(k).step_by(self.sums);
@@ -182,6 +201,38 @@ impl Cells {
             Tallied { value, standard_error: known.then(|| variance.sqrt()), samples: added }
         };
         (0..self.sums).map(one).collect()
+    }
+
+    /// Sum `k` from the values that replicates come to, each for itself. `samples` are those of each
+    /// replicate of each technique.
+    fn tallied_in_replicates(
+        &self,
+        frame: &Frame<'_>,
+        k: usize,
+        replicates: usize,
+        samples: &[u64],
+    ) -> Tallied {
+        let cells: Vec<Cell> = self.rows.iter().skip(k).step_by(self.sums).copied().collect();
+        let value = |r: usize| {
+            let column = || cells.iter().zip(samples).skip(r).step_by(replicates);
+            let total: u64 = column().map(|(_, n)| n).sum();
+            let parts = column().zip(frame.shares).filter(|(_, share)| **share > 0.0);
+            parts.fold(0.0, |sum, ((cell, n), share)| {
+                let alpha = match frame.design {
+                    Design::Stratified => *share,
+                    Design::Pooled => *n as f64 / total as f64,
+                };
+                let mean = if *n > 0 { cell.of_all(*n).mean } else { f64::NAN };
+                // Where the part is random, it may be 0.
+                sum + if alpha == 0.0 { 0.0 } else { alpha * mean }
+            })
+        };
+        let values: Vec<f64> = (0..replicates).map(value).collect();
+        let values = Moments::of_block(&values);
+        let added = cells.iter().map(|cell| cell.count).sum();
+        let known = added > 0 && values.mean.is_finite();
+        let standard_error = values.standard_error().filter(|_| known);
+        Tallied { value: values.mean, standard_error, samples: added }
     }
 }
 
@@ -254,7 +305,7 @@ mod tests {
         let part = Part { contributions: Vec::new(), counts: counts.to_vec() };
         let (shares, on_fault) = (&[0.25, 0.75], OnFault::Error);
         let frame = Frame { design, shares, samples: 6, on_fault, weighting: &Balance };
-        cells.tallied(&frame, &part)
+        cells.tallied(&frame, &part, 1)
     }
 
     #[test]

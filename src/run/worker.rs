@@ -145,6 +145,16 @@ where
     S: PointSource + ?Sized,
     O: Observer<P, F::Value>,
 {
+    /// How many replicates the points have.
+    pub(super) fn replicates(&self) -> usize {
+        self.points.replicates().max(1)
+    }
+
+    /// The replicates of all techniques.
+    pub(super) fn streams(&self) -> usize {
+        self.estimator.frame().shares.len().saturating_mul(self.replicates())
+    }
+
     /// Draws the chunks `todo` of a round, which follow those that are there. `tick` is called
     /// by this thread between chunks, and can ask for the round as it is; the others work on.
     ///
@@ -217,7 +227,7 @@ where
         let Range { start, end } = range;
         let f = Braked { f: self.f, brake, skipped: AtomicBool::new(false) };
         let techniques = self.estimator.frame().shares.len();
-        let mut cells = Cells::new(techniques, self.observer.sums());
+        let mut cells = Cells::new(self.streams(), self.observer.sums());
         let drawn = caught(|| {
             let evidence = Some(Evidence::new(techniques, thresholds));
             if self.observer.sums() == 0 {
@@ -225,7 +235,8 @@ where
             }
             let mut pending = Pending::default();
             self.estimator.draw(&f, self.points, range, evidence, buffers, |sample| {
-                cells.sample(sample.technique(), &mut pending, |tally| {
+                let stream = sample.technique() * self.replicates() + sample.replicate();
+                cells.sample(stream, &mut pending, |tally| {
                     self.observer.observe(sample, tally);
                 });
             })
