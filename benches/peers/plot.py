@@ -15,9 +15,11 @@ STYLES = {
     "mchep VEGAS+": ("#d94801", "triangle"),
     "scipy qmc_quad": ("#9467bd", "diamond"),
     "mis uniform random": ("none", "circle"),
-    "mis uniform Sobol'": ("#000000", "circle"),
+    "mis uniform Sobol' 8": ("#777777", "circle"),
+    "mis uniform Sobol' 16": ("#000000", "circle"),
     "mis own random": ("none", "diamond"),
-    "mis own Sobol'": ("#000000", "diamond"),
+    "mis own Sobol' 8": ("#777777", "diamond"),
+    "mis own Sobol' 16": ("#000000", "diamond"),
 }
 
 

@@ -16,11 +16,11 @@ METHODS = [
     "mchep VEGAS+",
     "scipy qmc_quad",
     "mis uniform random",
-    "mis uniform Sobol'",
     "mis uniform Sobol' 8",
+    "mis uniform Sobol' 16",
     "mis own random",
-    "mis own Sobol'",
     "mis own Sobol' 8",
+    "mis own Sobol' 16",
 ]
 
 

@@ -8,6 +8,7 @@ mod techniques;
 
 use batch::Batched;
 use integrand::{Integrand, Shape};
+use mis::points::Sobol;
 use mis::technique::{Normal, Product, TruncatedNormal, UniformBox};
 use mis::{Estimate, Estimator, MultiSample, Technique};
 use std::error::Error;
@@ -21,14 +22,18 @@ type Failure = Box<dyn Error>;
 #[derive(Clone, Copy)]
 enum Points {
     Random,
+    /// In so many replicates.
+    Sobol(usize),
 }
 
 impl Points {
-    const ALL: [Self; 1] = [Self::Random];
+    /// 8 replicates are scipy's default, 16 that of `mis`.
+    const ALL: [Self; 3] = [Self::Random, Self::Sobol(8), Self::Sobol(16)];
 
-    fn name(self) -> &'static str {
+    fn name(self) -> String {
         match self {
-            Self::Random => "random",
+            Self::Random => "random".to_string(),
+            Self::Sobol(replicates) => format!("Sobol' {replicates}"),
         }
     }
 
@@ -36,6 +41,7 @@ impl Points {
     fn samples(self, evaluations: u64) -> u64 {
         match self {
             Self::Random => evaluations,
+            Self::Sobol(_) => 1 << evaluations.max(1).ilog2(),
         }
     }
 
@@ -45,9 +51,12 @@ impl Points {
         mis: &MultiSample<'_, P>,
         f: &F,
     ) -> Result<Estimate, Failure> {
-        match self {
-            Self::Random => Ok(mis.estimate(f, seed)?),
-        }
+        Ok(match self {
+            Self::Random => mis.estimate(f, seed)?,
+            Self::Sobol(replicates) => {
+                mis.estimate_from(f, &Sobol::new(seed).replicates(replicates)?)?
+            }
+        })
     }
 }
 
