@@ -49,7 +49,10 @@ def svg(names, methods, merits):
     low, high = math.floor(min(powers)), math.ceil(max(powers))
     step = 1 if high - low <= 20 else 2
     bottom = TOP + ROW * len(names)
-    across = lambda power: LEFT + WIDTH * (power - low) / max(high - low, 1)
+
+    def across(power):
+        return LEFT + WIDTH * (power - low) / max(high - low, 1)
+
     width, height = LEFT + WIDTH + LEGEND, bottom + 50
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
