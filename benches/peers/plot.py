@@ -20,6 +20,7 @@ STYLES = {
     "mis own random": ("none", "diamond"),
     "mis own Sobol' 8": ("#777777", "diamond"),
     "mis own Sobol' 16": ("#000000", "diamond"),
+    "mis own Sobol' 8 power": ("#e7298a", "diamond"),
 }
 
 

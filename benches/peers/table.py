@@ -21,6 +21,7 @@ METHODS = [
     "mis own random",
     "mis own Sobol' 8",
     "mis own Sobol' 16",
+    "mis own Sobol' 8 power",
 ]
 
 # Why a peer is ahead of `mis` on an integrand, where one is.

@@ -10,6 +10,7 @@ use batch::Batched;
 use integrand::{Integrand, Shape};
 use mis::points::Sobol;
 use mis::technique::{Normal, Product, TruncatedNormal, UniformBox};
+use mis::weighting::Power;
 use mis::{Estimate, Estimator, MultiSample, Technique};
 use std::error::Error;
 use std::fmt::Debug;
@@ -26,10 +27,16 @@ enum Points {
     Sobol(usize),
 }
 
-impl Points {
-    /// 8 replicates are scipy's default, 16 that of `mis`.
-    const ALL: [Self; 3] = [Self::Random, Self::Sobol(8), Self::Sobol(16)];
+/// Points, and whether techniques are combined by the power heuristic with exponent 2 instead of the
+/// balance heuristic. 8 replicates are scipy's default, 16 that of `mis`.
+const METHODS: [(Points, bool); 4] = [
+    (Points::Random, false),
+    (Points::Sobol(8), false),
+    (Points::Sobol(16), false),
+    (Points::Sobol(8), true),
+];
 
+impl Points {
     fn name(self) -> String {
         match self {
             Self::Random => "random".to_string(),
@@ -45,11 +52,11 @@ impl Points {
         }
     }
 
-    fn estimate<P: Debug, F: mis::Integrand<P, Value = f64>>(
+    fn estimate<P: Debug>(
         self,
         seed: u64,
-        mis: &MultiSample<'_, P>,
-        f: &F,
+        mis: &impl Estimator<P>,
+        f: &impl mis::Integrand<P, Value = f64>,
     ) -> Result<Estimate, Failure> {
         Ok(match self {
             Self::Random => mis.estimate(f, seed)?,
@@ -125,15 +132,24 @@ impl Plan {
         for<'a> Batched<'a>: mis::Integrand<P, Value = f64>,
     {
         let f = Batched(integrand);
-        for points in Points::ALL {
-            let method = format!("mis {techniques} {}", points.name());
+        for (points, squared) in METHODS {
+            if squared && techniques == "uniform" {
+                continue; // all weights are 1
+            }
+            let power = if squared { " power" } else { "" };
+            let method = format!("mis {techniques} {}{power}", points.name());
             for seed in 1..=self.seeds {
                 let start = Instant::now();
                 let techniques = set_up()?;
                 let each = points.samples(self.evaluations) / techniques.len() as u64;
                 let list: Vec<(&dyn Technique<Point = P>, u64)> =
                     techniques.iter().map(|technique| (technique.as_ref(), each)).collect();
-                let estimate = points.estimate(seed, &MultiSample::new(&list)?, &f)?;
+                let mis = MultiSample::new(&list)?;
+                let estimate = if squared {
+                    points.estimate(seed, &mis.weighting(Power::squared())?, &f)?
+                } else {
+                    points.estimate(seed, &mis, &f)?
+                };
                 let seconds = start.elapsed().as_secs_f64();
                 let error = estimate.standard_error().unwrap_or(f64::INFINITY);
                 let result = (estimate.value(), error);
