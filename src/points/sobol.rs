@@ -1,8 +1,6 @@
 //! Scrambled Sobol' points.
 
-use std::fmt::Debug;
-
-use super::directions::{Columns, Directions};
+use super::directions::{self, Columns};
 use super::hash::{hash, word};
 use super::{PointSource, PointsExhausted};
 use crate::error::ArgumentError;
@@ -64,19 +62,18 @@ use crate::error::ArgumentError;
 /// Owen, *Variance with Alternative Scramblings of Digital Nets*, 2003, doi:10.1145/945511.945518;
 /// P. L'Ecuyer, M. K. Nakayama, A. B. Owen and B. Tuffin, *Confidence Intervals for Randomized
 /// Quasi-Monte Carlo Estimators*, 2023, for t intervals from replicates.
-#[derive(Clone)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[doc(alias("quasi-Monte Carlo", "qmc", "rqmc", "Owen scrambling", "low discrepancy"))]
 pub struct Sobol {
     seed: u64,
     replicates: usize,
-    directions: Directions,
 }
 
 impl Sobol {
     /// The points that `seed` stands for, in 16 replicates.
     #[must_use]
     pub fn new(seed: u64) -> Self {
-        Self { seed, replicates: 16, directions: Directions::default() }
+        Self { seed, replicates: 16 }
     }
 
     /// So many replicates.
@@ -87,20 +84,13 @@ impl Sobol {
     /// # Errors
     ///
     /// There must be at least 2 and at most 4096.
-    pub fn replicates(self, replicates: usize) -> Result<Self, ArgumentError> {
+    pub fn with_replicates(self, replicates: usize) -> Result<Self, ArgumentError> {
         if (2..=4096).contains(&replicates) {
             Ok(Self { replicates, ..self })
         } else {
             let rule = "it must be at least 2 and at most 4096";
             Err(ArgumentError::new("Sobol", "replicates", replicates, rule))
         }
-    }
-}
-
-impl Debug for Sobol {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { seed, replicates, .. } = self;
-        f.debug_struct("Sobol").field("seed", seed).field("replicates", replicates).finish()
     }
 }
 
@@ -120,8 +110,8 @@ impl PointSource for Sobol {
         let end = first.checked_add(rows as u64);
         let exhausted = |available| PointsExhausted { stream, sample: first, dimension, available };
         let end = end.ok_or_else(|| exhausted(usize::MAX))?;
-        let columns = self.directions.first(dimension);
-        let columns = columns.ok_or_else(|| exhausted(super::directions::MOST))?;
+        let columns = directions::columns(dimension);
+        let columns = columns.ok_or_else(|| exhausted(directions::MOST))?;
         let key = |k: usize| hash(0, &[self.seed, stream as u64, k as u64]);
         for (tile, columns) in columns.chunks(TILE.0).enumerate() {
             let d = tile * TILE.0;
@@ -187,7 +177,7 @@ impl Coordinate {
         let rows = out.len().div_ceil(stride);
         // From a multiple of eight on, eight points have all but the last digits in common.
         let mut group = first / LANES as u64;
-        let mut skip = (first % LANES as u64) as usize;
+        let mut skip = first as usize % LANES;
         let mut base = self.shift ^ sum(&self.columns, gray(LANES as u64 * group));
         let mut row = 0;
         while row < rows {
@@ -197,7 +187,9 @@ impl Coordinate {
                     *x = base ^ lane;
                 }
                 group += 1;
-                base ^= self.columns[group.trailing_zeros() as usize % 61 + 3];
+                // From the last of the eight to the next, one digit of the code changes.
+                let [.., last] = self.lanes;
+                base ^= last ^ self.columns[group.trailing_zeros() as usize % 61 + 3];
             }
             let points = x.map(scrambled);
             let next = rows.min(row + points.len() - skip);
@@ -238,4 +230,63 @@ fn sum(columns: &Columns, gray: u64) -> u64 {
 /// The reflected binary code of an index, in which consecutive ones differ in one digit.
 fn gray(index: u64) -> u64 {
     index ^ (index >> 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Coordinate, directions, gray, scrambled, sum};
+
+    /// The order and the columns are those of the plain recurrence, in which point n + 1 differs from
+    /// point n by one column.
+    #[test]
+    fn points_follow_the_plain_recurrence() {
+        for columns in directions::columns(6).unwrap() {
+            let lanes = std::array::from_fn(|j| sum(columns, gray(j as u64)));
+            let coordinate = Coordinate { shift: 0, columns: *columns, lanes };
+            let mut x = 0;
+            let plain: Vec<f64> = (1..=300_u64)
+                .map(|n| {
+                    let u = scrambled(x);
+                    x ^= columns[n.trailing_zeros() as usize];
+                    u
+                })
+                .collect();
+            for first in [0, 1, 7, 8, 61, 200] {
+                let mut out = vec![f64::NAN; 100];
+                coordinate.fill(first as u64, 1, &mut out);
+                assert_eq!(out, plain[first..first + 100]);
+            }
+        }
+    }
+
+    /// Rounds keep the first digits apart: every interval maps onto an interval.
+    #[test]
+    fn rounds_are_nested() {
+        for m in 1..10 {
+            let mut seen = vec![false; 1 << m];
+            for k in 0..1_u64 << m {
+                let place = |low: u64| {
+                    let u = scrambled(k << (64 - m) | low >> m);
+                    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // < 2^m
+                    let place = (u * f64::from(1 << m)) as usize;
+                    place
+                };
+                assert!(place(0) == place(u64::MAX) && !seen[place(0)]);
+                seen[place(0)] = true;
+            }
+        }
+    }
+
+    /// The matrix has ones on its diagonal and nothing above; the columns are its multiples.
+    #[test]
+    fn scrambling_keeps_digits_apart() {
+        let columns = directions::columns(1).unwrap()[0];
+        let coordinate = Coordinate::new(&columns, 1, 1 << 20);
+        for (l, column) in coordinate.columns.iter().enumerate().take(20) {
+            assert_eq!(column.leading_zeros() as usize, l);
+        }
+        // Digit 30 is random, among others.
+        let digits = coordinate.columns.iter().take(20).filter(|column| *column >> 33 & 1 == 1);
+        assert!((3..18).contains(&digits.count()));
+    }
 }

@@ -53,7 +53,7 @@
 //!   0.07 (1 - 2 k̂): too few samples for such contributions. (Of a confirming round, 0.1. From
 //!   replicates, 3.5 standard deviations of what it is if they are normal: 0.49 for 16 of them.)
 //! - k̂, the shape of the tail, [`Report::k_hat`], at 1/2 or above: the variance may be infinite. (Of a
-//!   confirming round, above 0.7.)
+//!   confirming round, above 0.7. From replicates, above 0.12: the end of a tail stays random.)
 //! - Fewer than 30 contributions that are not 0, of a technique that matters or of all.
 //! - Contributions that are all equal: their error of 0 reaches any tolerance, but may be for want of
 //!   others.

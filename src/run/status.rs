@@ -89,7 +89,8 @@ pub enum Doubt {
         /// See [`Estimate::kappa`](crate::Estimate::kappa).
         kappa: f64,
     },
-    /// The contributions of a technique have a tail so heavy that the variance may be infinite.
+    /// The contributions of a technique have a tail so heavy that the variance may be infinite; from
+    /// replicates, too heavy for the interval of so few values.
     #[non_exhaustive]
     HeavyTail {
         /// The technique.
@@ -134,11 +135,18 @@ impl Display for Doubt {
                 "the contributions to component {component} are too skewed for so few samples \
                  (kappa {kappa:.2})"
             ),
-            Self::HeavyTail { technique, component, k_hat } => write!(
-                f,
-                "the contributions of technique {technique} to component {component} have a heavy \
-                 tail (k-hat {k_hat:.2}): the variance may be infinite"
-            ),
+            Self::HeavyTail { technique, component, k_hat } => {
+                let why = if *k_hat < 0.5 {
+                    "the interval of a few replicates is too narrow for it"
+                } else {
+                    "the variance may be infinite"
+                };
+                write!(
+                    f,
+                    "the contributions of technique {technique} to component {component} have a \
+                     heavy tail (k-hat {k_hat:.2}): {why}"
+                )
+            }
             Self::Density { technique, z } => write!(
                 f,
                 "the samples do not agree with the pdf of technique {technique} (z {z:.1}): a \

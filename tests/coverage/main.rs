@@ -7,6 +7,7 @@ mod ensemble;
 
 mod estimates;
 mod measure;
+mod replicates;
 mod runs;
 #[allow(dead_code)] // the bench of the same name uses the rest
 mod suite;

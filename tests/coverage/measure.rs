@@ -20,7 +20,7 @@ pub(crate) const LIMIT: u64 = 1 << 16;
 
 /// The samples at which the half-width times the driver's margin of 1.1 is about the tolerance:
 /// the end of a round, so that chance decides whether it is the last but one.
-const ENOUGH: f64 = 4096.0;
+const ENOUGH: u64 = 4096;
 
 /// How often something happened.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -168,11 +168,13 @@ pub(crate) fn to_tolerance(row: &Row, tolerance: f64, seeds: u64) -> Cell {
 /// The relative tolerance, of two digits, that about [`ENOUGH`] samples reach in the component that
 /// needs most of them.
 pub(crate) fn tolerance(row: &Row) -> f64 {
-    let pilot = row.run(Target::new().samples(LIMIT).unwrap(), u64::MAX);
+    // From replicates, no law says how the error falls.
+    let (samples, t) = if row.replicates { (ENOUGH, 2.13) } else { (LIMIT, 1.96) };
+    let pilot = row.run(Target::new().samples(samples).unwrap(), u64::MAX);
     let spreads = pilot.components.iter().zip(&row.components).map(|(found, (_, integral))| {
-        found.1.unwrap() * (pilot.samples as f64).sqrt() / integral.abs()
+        found.1.unwrap() * (pilot.samples as f64 / ENOUGH as f64).sqrt() / integral.abs()
     });
-    let tolerance = 1.1 * 1.96 * spreads.fold(0.0, f64::max) / ENOUGH.sqrt();
+    let tolerance = 1.1 * t * spreads.fold(0.0, f64::max);
     format!("{tolerance:.1e}").parse().unwrap()
 }
 

@@ -4,6 +4,7 @@ use std::f64::consts::{E, FRAC_PI_2, PI};
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use mis::points::Sobol;
 use mis::technique::{
     Cauchy, Exponential, FnTechnique, Linear, Normal, Product, Uniform, UniformBox,
 };
@@ -20,6 +21,8 @@ pub(crate) struct Row {
     pub(crate) hidden: bool,
     /// Whether it is worth samples beyond 10⁴.
     pub(crate) slow: bool,
+    /// Whether its error bar comes from replicates.
+    pub(crate) replicates: bool,
     run: Box<dyn Fn(Target, u64) -> Outcome + Sync>,
 }
 
@@ -50,26 +53,26 @@ impl Row {
 /// Every integrand with its estimators; constant weights where every technique covers.
 pub(crate) fn suite() -> Vec<Row> {
     let mut rows = Vec::new();
-    rows.extend(on_the_unit_interval("e^x", E - 1.0, f64::exp).rows(&ALONE));
-    rows.extend(on_the_unit_interval("-ln x", 1.0, |x| -x.ln()).rows(&ALONE));
+    rows.extend(on_the_unit_interval("e^x", E - 1.0, f64::exp).rows(&BOTH));
+    rows.extend(on_the_unit_interval("-ln x", 1.0, |x| -x.ln()).rows(&BOTH));
     rows.extend(sin_cos().rows(&ALL));
     for (name, p) in [("1 on a tenth", 0.1), ("1 on a hundredth", 0.01)] {
-        rows.extend(on_the_unit_interval(name, p, move |x| f64::from(x < p)).rows(&ALONE));
+        rows.extend(on_the_unit_interval(name, p, move |x| f64::from(x < p)).rows(&BOTH));
     }
     let rare = |x| f64::from(x < 1e-3);
     rows.extend(on_the_unit_interval("1 on a thousandth", 1e-3, rare).slow().rows(&ALONE));
-    rows.extend(lognormal("lognormal, s = 1", 1.0).slow().rows(&ALONE));
+    rows.extend(lognormal("lognormal, s = 1", 1.0).slow().rows(&BOTH));
     rows.extend(lognormal("lognormal, s = 2", 2.0).slow().rows(&ALONE));
-    rows.extend(narrow_peak("peak of width 0.03", [0.03]).rows(&ALONE));
-    rows.extend(narrow_peak("peak of width 0.1 in 3-D", [0.1; 3]).rows(&ALONE));
-    rows.extend(pareto("Pareto, a = 1.5", 1.5).slow().rows(&ALONE));
-    rows.extend(pareto("Pareto, a = 5", 5.0).slow().rows(&ALONE));
+    rows.extend(narrow_peak("peak of width 0.03", [0.03]).rows(&BOTH));
+    rows.extend(narrow_peak("peak of width 0.1 in 3-D", [0.1; 3]).rows(&BOTH));
+    rows.extend(pareto("Pareto, a = 1.5", 1.5).slow().rows(&BOTH));
+    rows.extend(pareto("Pareto, a = 5", 5.0).slow().rows(&BOTH));
     rows.extend(student_t3().rows(&ALONE));
     rows.extend(two_peaks().rows(&ALL));
     rows.extend(product().rows(&ALL));
     rows.extend(vector().rows(&ALL));
     // Where supports do not overlap, all weightings are the same.
-    rows.extend(opposite_skews().rows(&[Kind::Balance, Kind::OneSample]));
+    rows.extend(opposite_skews().rows(&[Kind::Balance, Kind::OneSample, Kind::Sobol]));
     rows.extend(hidden_spike().rows(&ALONE));
     rows
 }
@@ -188,10 +191,13 @@ enum Kind {
     Power,
     Constant,
     OneSample,
+    /// Balance, or the only technique, with Sobol' points.
+    Sobol,
 }
 
 const ALONE: [Kind; 1] = [Kind::Alone];
-const ALL: [Kind; 4] = [Kind::Balance, Kind::Power, Kind::Constant, Kind::OneSample];
+const BOTH: [Kind; 2] = [Kind::Alone, Kind::Sobol];
+const ALL: [Kind; 5] = [Kind::Balance, Kind::Power, Kind::Constant, Kind::OneSample, Kind::Sobol];
 
 /// Techniques with their shares of the samples.
 type Techniques<P> = Vec<(Box<dyn Technique<Point = P> + Send>, u32)>;
@@ -242,10 +248,12 @@ impl<P: Debug + 'static, V: Components + 'static> Problem<P, V> {
                     Kind::Power => "power 2",
                     Kind::Constant => "constant",
                     Kind::OneSample => "one-sample",
+                    Kind::Sobol => "Sobol' points",
                 },
                 components: problem.components.clone(),
                 hidden: problem.hidden,
                 slow: problem.slow,
+                replicates: matches!(kind, Kind::Sobol),
                 run: Box::new(move |target, seed| outcome(&problem.report(kind, target, seed))),
             }
         };
@@ -265,6 +273,7 @@ impl<P: Debug + 'static, V: Components + 'static> Problem<P, V> {
             techniques().map(|(technique, n)| (technique, u64::from(n))).collect();
         let mis = MultiSample::new(&list).unwrap();
         match kind {
+            Kind::Sobol => run.execute_from(&mis, &self.f, &Sobol::new(seed)),
             Kind::Power => run.execute(&mis.weighting(Power::squared()).unwrap(), &self.f, seed),
             Kind::Constant => {
                 run.execute(&mis.weighting(Constant::equal()).unwrap(), &self.f, seed)

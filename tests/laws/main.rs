@@ -50,5 +50,6 @@ mod closed_forms;
 mod golden;
 mod points;
 mod random;
+mod sobol;
 mod statrs_bounds;
 mod wrappers;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use mis::points::Random;
+use mis::points::{PointSource, Random, Sobol};
 use mis::technique::{Linear, PiecewiseConstant, Uniform, canonical};
 use mis::weighting::Constant;
 use mis::{
@@ -252,7 +252,25 @@ where
 
 const SUMS: usize = 5;
 
-fn multi<U, F>(name: &'static str, target: Target, weighting: U, on_fault: OnFault, f: F) -> Case
+/// The points of a seed.
+type Points = fn(u64) -> Box<dyn PointSource>;
+
+fn random(seed: u64) -> Box<dyn PointSource> {
+    Box::new(Random::new(seed))
+}
+
+pub(crate) fn sobol(seed: u64) -> Box<dyn PointSource> {
+    Box::new(Sobol::new(seed).with_replicates(4).unwrap())
+}
+
+fn multi<U, F>(
+    name: &'static str,
+    points: Points,
+    target: Target,
+    weighting: U,
+    on_fault: OnFault,
+    f: F,
+) -> Case
 where
     U: mis::weighting::Weighting + Clone + 'static,
     F: Integrand<f64> + Sync + Clone + 'static,
@@ -273,12 +291,12 @@ where
         go: Box::new(move |run, seed, hook| {
             let (a, b, c) = (flat(), ramp(), steps());
             let mis = estimator((&a, &b, &c), weighting.clone(), on_fault);
-            Outcome::of_result(run.execute(&mis, &Hooked(&f, hook), seed))
+            Outcome::of_result(run.execute_from(&mis, &Hooked(&f, hook), &*points(seed)))
         }),
         merge: Box::new(move |run, files| {
             let (a, b, c) = (flat(), ramp(), steps());
             let mis = estimator((&a, &b, &c), same.clone(), on_fault);
-            Outcome::of_result(run.merge(&mis, &also, &Random::new(SEED), files))
+            Outcome::of_result(run.merge(&mis, &also, &*points(SEED), files))
         }),
     }
 }
@@ -290,51 +308,57 @@ pub(crate) fn cases() -> Vec<Case> {
     let error = OnFault::Error;
     let zero = OnFault::count_as_zero(0.1).unwrap();
     let tolerance = Target::new().relative(0.04).unwrap().samples(9000).unwrap();
+    let finer = Target::new().relative(0.004).unwrap().samples(9000).unwrap();
     vec![
-        multi("multi-sample", Target::new().samples(2377).unwrap(), Balance, error, f),
-        multi("vector, power", own, Power::squared(), error, vector),
-        multi("constant weights", own, Constant::new([0.5, 0.3, 0.2]).unwrap(), error, f),
-        multi("faults as zero", own, Balance, zero, with_faults),
-        multi("tolerance", tolerance, Balance, error, f),
-        one_sample(),
-        tally(),
+        multi("multi-sample", random, Target::new().samples(2377).unwrap(), Balance, error, f),
+        multi("vector, power", random, own, Power::squared(), error, vector),
+        multi("constant weights", random, own, Constant::new([0.5, 0.3, 0.2]).unwrap(), error, f),
+        multi("faults as zero", random, own, Balance, zero, with_faults),
+        multi("tolerance", random, tolerance, Balance, error, f),
+        multi("tolerance, replicates", sobol, finer, Balance, error, f),
+        multi("vector, replicates", sobol, own, Balance, error, vector),
+        one_sample("one-sample", random),
+        one_sample("one-sample, replicates", sobol),
+        tally("tally", random),
+        tally("tally, replicates", sobol),
     ]
 }
 
-pub(crate) fn one_sample() -> Case {
+pub(crate) fn one_sample(name: &'static str, points: Points) -> Case {
     fn estimator<'a>(a: &'a Uniform, b: &'a Linear) -> OneSample<'a, f64> {
         OneSample::new(&[(a, 0.25), (b, 0.75)], 1600).unwrap()
     }
     Case {
-        name: "one-sample",
+        name,
         target: Target::new(),
-        go: Box::new(|run, seed, hook| {
+        go: Box::new(move |run, seed, hook| {
             let (a, b) = (flat(), ramp());
-            Outcome::of_result(run.execute(&estimator(&a, &b), &Hooked(&f, hook), seed))
+            let (mis, f) = (estimator(&a, &b), Hooked(&f, hook));
+            Outcome::of_result(run.execute_from(&mis, &f, &*points(seed)))
         }),
-        merge: Box::new(|run, files| {
+        merge: Box::new(move |run, files| {
             let (a, b) = (flat(), ramp());
-            Outcome::of_result(run.merge(&estimator(&a, &b), &f, &Random::new(SEED), files))
+            Outcome::of_result(run.merge(&estimator(&a, &b), &f, &*points(SEED), files))
         }),
     }
 }
 
-pub(crate) fn tally() -> Case {
+pub(crate) fn tally(name: &'static str, points: Points) -> Case {
     fn estimator<'a>(a: &'a Uniform, b: &'a Linear) -> MultiSample<'a, f64> {
         MultiSample::new(&[(a, 1000), (b, 700)]).unwrap()
     }
     Case {
-        name: "tally",
+        name,
         target: Target::new(),
-        go: Box::new(|run, seed, hook| {
+        go: Box::new(move |run, seed, hook| {
             let (a, b) = (flat(), ramp());
             let mis = estimator(&a, &b);
             let f = Hooked(&f, hook);
-            Outcome::of_result(run.tally(&mis, &f, &Random::new(seed), SUMS, observe))
+            Outcome::of_result(run.tally(&mis, &f, &*points(seed), SUMS, observe))
         }),
-        merge: Box::new(|run, files| {
+        merge: Box::new(move |run, files| {
             let (a, b) = (flat(), ramp());
-            Outcome::of_result(run.merge(&estimator(&a, &b), &f, &Random::new(SEED), files))
+            Outcome::of_result(run.merge(&estimator(&a, &b), &f, &*points(SEED), files))
         }),
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use mis::{Run, Target};
 
-use crate::common::{Case, Dice, Folder, cases, tally};
+use crate::common::{Case, Dice, Folder, cases, sobol, tally};
 
 struct Damaged<'a> {
     case: &'a Case,
@@ -29,7 +29,7 @@ impl Damaged<'_> {
 /// All bits of `step` apart, as many truncations, and `random` other kinds of damage.
 fn corrupted(step: usize, random: u64) -> u64 {
     let folder = Folder::new();
-    let case = tally();
+    let case = tally("tally", sobol);
     // Interrupted within a round, with a cut chunk in another.
     let path = folder.file("damaged.run");
     let target = Target::new().samples(1100).unwrap();
