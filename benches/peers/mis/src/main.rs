@@ -61,7 +61,7 @@ impl Points {
         Ok(match self {
             Self::Random => mis.estimate(f, seed)?,
             Self::Sobol(replicates) => {
-                mis.estimate_from(f, &Sobol::new(seed).replicates(replicates)?)?
+                mis.estimate_from(f, &Sobol::new(seed).with_replicates(replicates)?)?
             }
         })
     }
