@@ -33,8 +33,8 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* VEGAS runs five short iterations that adapt the grid and five long ones that make the result, as in
- * the example of GSL's manual. Halves of equal length did worse. */
+/* VEGAS runs five short iterations that adapt the grid and five long ones that make the result, as
+ * in the example of GSL's manual. Halves of equal length did worse. */
 static void integrate(enum method method, struct integrand *g, gsl_rng *rng, size_t n,
                       double *value, double *error)
 {
@@ -52,12 +52,13 @@ static void integrate(enum method method, struct integrand *g, gsl_rng *rng, siz
         gsl_monte_miser_free(state);
     } else {
         gsl_monte_vegas_state *state = gsl_monte_vegas_alloc(g->d);
-        gsl_monte_vegas_integrate(&function, lower, upper, g->d, n / 50, rng, state, value, error);
+        size_t short_n = n / 50, long_n = n * 9 / 50;
+        gsl_monte_vegas_integrate(&function, lower, upper, g->d, short_n, rng, state, value, error);
         gsl_monte_vegas_params params;
         gsl_monte_vegas_params_get(state, &params);
         params.stage = 1; /* keep the grid, forget the results */
         gsl_monte_vegas_params_set(state, &params);
-        gsl_monte_vegas_integrate(&function, lower, upper, g->d, n * 9 / 50, rng, state, value, error);
+        gsl_monte_vegas_integrate(&function, lower, upper, g->d, long_n, rng, state, value, error);
         gsl_monte_vegas_free(state);
     }
 }
@@ -88,8 +89,9 @@ int main(int argc, char **argv)
                 evaluations = 0;
                 integrate(method, &g, rng, n, &value, &error);
                 gsl_rng_free(rng);
-                printf("%s,%s,%lu,%.17g,%.17g,%lu,%.9f\n", g.name, NAMES[method], seed, value, error,
-                       evaluations, now() - start);
+                double seconds = now() - start;
+                printf("%s,%s,%lu,%.17g,%.17g,%lu,%.9f\n", g.name, NAMES[method], seed, value,
+                       error, evaluations, seconds);
             }
     }
     return 0;

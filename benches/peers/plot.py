@@ -65,7 +65,8 @@ def svg(names, methods, merits):
         x = across(power)
         parts.append(f'<line x1="{x:.1f}" y1="{TOP}" x2="{x:.1f}" y2="{bottom}" stroke="#dddddd"/>')
         exponent = f'<tspan dy="-5" font-size="9">{power}</tspan>'
-        parts.append(f'<text x="{x:.1f}" y="{bottom + 20}" text-anchor="middle">10{exponent}</text>')
+        place = f'x="{x:.1f}" y="{bottom + 20}"'
+        parts.append(f'<text {place} text-anchor="middle">10{exponent}</text>')
     for row, name in enumerate(names):
         y = TOP + ROW * (row + 0.5)
         parts.append(f'<line x1="{LEFT}" y1="{y}" x2="{LEFT + WIDTH}" y2="{y}" stroke="#eeeeee"/>')

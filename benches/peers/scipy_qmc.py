@@ -24,4 +24,5 @@ for name, kind, d, p in read(suite):
         result = qmc_quad(f, [0] * d, [1] * d, n_estimates=REPLICATES, n_points=points, qrng=engine)
         seconds = time.perf_counter() - start
         value, error = float(result.integral), float(result.standard_error)
-        print(f"{name},scipy qmc_quad,{seed},{value!r},{error!r},{REPLICATES * points},{seconds:.9f}")
+        used = REPLICATES * points
+        print(f"{name},scipy qmc_quad,{seed},{value!r},{error!r},{used},{seconds:.9f}")

@@ -58,7 +58,7 @@ impl<const D: usize> mis::Integrand<[f64; D]> for Batched<'_> {
 }
 
 impl Batched<'_> {
-    /// Calls `f` with rows of four points' coordinates, and the formula for one point with the rest.
+    /// Calls `f` with rows of four points' coordinates, and the scalar formula with the rest.
     #[inline]
     fn by_fours<const D: usize>(
         &self,

@@ -1,5 +1,5 @@
-//! `mis` on the suite: the uniform technique everywhere, one technique for each peak or factor where
-//! the integrand has such; random and quasi-random points.
+//! `mis` on the suite: the uniform technique everywhere, one technique for each peak or factor
+//! where the integrand has such; random and quasi-random points.
 
 mod batch;
 #[path = "../../integrand.rs"]
@@ -27,8 +27,8 @@ enum Points {
     Sobol(usize),
 }
 
-/// Points, and whether techniques are combined by the power heuristic with exponent 2 instead of the
-/// balance heuristic. 8 replicates are scipy's default, 16 that of `mis`.
+/// Points, and whether techniques are combined by the power heuristic with exponent 2 instead of
+/// the balance heuristic. 8 replicates are scipy's default, 16 that of `mis`.
 const METHODS: [(Points, bool); 4] = [
     (Points::Random, false),
     (Points::Sobol(8), false),
