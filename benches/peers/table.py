@@ -50,6 +50,7 @@ class Cell:
         # The same by the errors that the method itself states.
         stated = math.sqrt(statistics.fmean(e * e for e in errors) / self.runs)
         self.error = stated / reference
+        self.bias = abs(bias) / reference
         self.stated_z = bias / stated if stated > 0 else math.nan
         self.coverage = statistics.fmean(abs(o) <= 2 * e for o, e in zip(off, errors))
 
@@ -109,12 +110,12 @@ def ratios(suite, cells, methods):
 
 def wrong(cells):
     """Methods that are unbiased by their making and yet are not, where their errors are small: an
-    integrand must be in error then."""
+    integrand must be in error then. A rare sample that few runs met is no such error."""
     return [
         f"{method} on {name}"
         for (name, method), cell in cells.items()
         if method.startswith(("mis ", "GSL plain", "scipy"))
-        and cell.error < 0.01
+        and cell.error < 0.01 and cell.bias > 1e-4
         and abs(cell.stated_z) > 8
     ]
 
@@ -147,8 +148,9 @@ def write(suite, files, settings, folder):
         grid(suite, methods, "Coverage of 2 sigma", entry(lambda c: f"{c.coverage:.2f}"))
         + f"| all | {' | '.join(f'{mean:.2f}' for mean in average)} |\n",
     ]
+    seeds = " to ".join(map(str, sorted({cell.runs for cell in cells.values()})))
     text = f"""<!-- Written by `{settings["command"]}`; do not edit. -->
-{settings["seeds"]} seeds, {settings["evaluations"]} evaluations each, one thread.
+{seeds} seeds, {settings["evaluations"]} evaluations each, one thread.
 {settings["date"]}, {settings["machine"]}.
 {"; ".join(settings["versions"] + sorted(versions) + settings["compilers"])}.
 
