@@ -32,8 +32,11 @@ const ALONE: [&str; 4] = [
     "one-sample balance, closures",
 ];
 
-const BY_HAND: [Variant; 2] =
-    [("by hand, f, p1, p2 separate", hand_separate), ("by hand, sin and cos shared", hand_shared)];
+const BY_HAND: [Variant; 3] = [
+    ("by hand, f, p1, p2 separate", hand_separate),
+    ("by hand, sin and cos shared", hand_shared),
+    ("by hand, sin and cos algebraic", hand_algebraic),
+];
 
 const RUNS: [Variant; 4] = [
     ("run, balance, closures", run_balance),
@@ -42,9 +45,10 @@ const RUNS: [Variant; 4] = [
     ("run, one-sample balance, closures", run_one_sample),
 ];
 
-const LIBRARY: [Variant; 5] = [
+const LIBRARY: [Variant; 6] = [
     ("balance, closures", balance),
     ("balance, the point carries sin and cos", balance_carried),
+    ("balance, sin and cos algebraic", balance_algebraic),
     ("power 2, closures", power),
     ("constant, closures", constant),
     ("one-sample balance, closures", one_sample),
@@ -150,6 +154,32 @@ fn hand_shared(n: u64) -> f64 {
     })
 }
 
+/// (sin x, cos x) at the x that ξ maps to, without x.
+fn algebraic(technique: usize, xi: f64) -> (f64, f64) {
+    if technique == 0 { (xi, (1.0 - xi * xi).sqrt()) } else { ((xi * (2.0 - xi)).sqrt(), 1.0 - xi) }
+}
+
+fn hand_algebraic(n: u64) -> f64 {
+    let mut value = 0.0;
+    let mut variance = 0.0;
+    let per_technique = (n / 2) as f64;
+    for technique in 0..2 {
+        let mut generator = Pcg64Dxsm::seed_from_u64(technique as u64);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for _ in 0..n / 2 {
+            let xi = f64::from_bits(generator.next_u64() >> 12 | 1_f64.to_bits())
+                - (1.0 - f64::EPSILON / 2.0);
+            let (sin, cos) = algebraic(technique, xi);
+            let y = sin * cos / (per_technique * cos + per_technique * sin);
+            sum += y;
+            squares += y * y;
+        }
+        value += sum;
+        variance += squares - sum * sum / per_technique;
+    }
+    value + variance
+}
+
 fn cosine() -> impl Technique<Point = f64> {
     FnTechnique::new([0.0, FRAC_PI_2], f64::cos, f64::sin, f64::asin).unwrap()
 }
@@ -224,6 +254,31 @@ fn one_sample(n: u64) -> f64 {
 struct Angle {
     sin: f64,
     cos: f64,
+}
+
+/// The same, from algebra alone.
+struct Algebraic<const TECHNIQUE: usize>;
+
+impl<const TECHNIQUE: usize> Technique for Algebraic<TECHNIQUE> {
+    type Point = Angle;
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn sample(&self, xi: &[f64]) -> Angle {
+        let (sin, cos) = algebraic(TECHNIQUE, canonical(xi, 0));
+        Angle { sin, cos }
+    }
+
+    fn pdf(&self, x: &Angle) -> f64 {
+        if TECHNIQUE == 0 { x.cos } else { x.sin }
+    }
+}
+
+fn balance_algebraic(n: u64) -> f64 {
+    let mis = MultiSample::new(&[(&Algebraic::<0>, n / 2), (&Algebraic::<1>, n / 2)]).unwrap();
+    finish(mis.estimate(&|x: &Angle| x.sin * x.cos, 1))
 }
 
 /// p = cos (technique 0) or sin (technique 1) over angles.

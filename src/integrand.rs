@@ -1,6 +1,7 @@
 //! Integrands, and the values that they take.
 
 use std::fmt::Debug;
+use std::marker::PhantomData;
 
 /// A function f of a point, to be integrated.
 ///
@@ -8,7 +9,8 @@ use std::fmt::Debug;
 /// infer it ("implementation of `FnOnce` is not general enough"). A boxed integrand is passed as
 /// `&*boxed`.
 ///
-/// A type of your own can implement the trait, for instance to evaluate a whole batch at once:
+/// [`batch`] makes one from a closure that evaluates many points at once. A type of your own can
+/// implement the trait:
 ///
 /// ```
 /// use mis::Integrand;
@@ -42,6 +44,52 @@ impl<P, V: Value, F: Fn(&P) -> V> Integrand<P> for F {
 
     fn eval(&self, x: &P) -> V {
         self(x)
+    }
+}
+
+/// The integrand that `f` evaluates a batch at a time, made by [`batch`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Batch<F, V = f64> {
+    f: F,
+    value: PhantomData<fn() -> V>,
+}
+
+/// An integrand from a closure `|xs: &[P], ys: &mut [V]|` that writes f(x) of each point of `xs` to
+/// its place in `ys`, which is as long.
+///
+/// It is called with up to 512 points, so that it can use vector instructions, or share what its
+/// points have in common. What f is at a point must not depend on the others.
+///
+/// ```
+/// use mis::{Estimator, MultiSample, integrand, technique::Uniform};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let p = Uniform::new(0.0, 2.0)?;
+/// let f = integrand::batch(|xs: &[f64], ys: &mut [f64]| {
+///     for (x, y) in xs.iter().zip(ys) {
+///         *y = x * x;
+///     }
+/// });
+/// let estimate = MultiSample::new(&[(&p, 10_000)])?.estimate(&f, 1)?;
+/// assert!(estimate.interval(0.999)?.contains(8.0 / 3.0));
+/// # Ok(())
+/// # }
+/// ```
+pub fn batch<P, V: Value, F: Fn(&[P], &mut [V])>(f: F) -> Batch<F, V> {
+    Batch { f, value: PhantomData }
+}
+
+impl<P, V: Value, F: Fn(&[P], &mut [V])> Integrand<P> for Batch<F, V> {
+    type Value = V;
+
+    fn eval(&self, x: &P) -> V {
+        let mut out = [V::zero()];
+        (self.f)(std::slice::from_ref(x), &mut out);
+        let [value] = out;
+        value
+    }
+
+    fn eval_batch(&self, xs: &[P], out: &mut [V]) {
+        (self.f)(xs, out);
     }
 }
 
@@ -229,7 +277,7 @@ impl Value for LnValue {
 
 #[cfg(test)]
 mod tests {
-    use super::{Integrand, LnValue, Value};
+    use super::{Integrand, LnValue, Value, batch};
 
     #[test]
     fn closures_of_scalars_and_arrays_are_integrands() {
@@ -241,6 +289,17 @@ mod tests {
         }
         assert_eq!(eval(&|x: &f64| x + 1.0, 2.0), 3.0);
         assert_eq!(eval(&|x: &f64| [*x, x * x], 3.0), [3.0, 9.0]);
+    }
+
+    #[test]
+    fn batches_are_integrands() {
+        let f = batch(|xs: &[f64], ys: &mut [[f64; 2]]| {
+            ys.iter_mut().zip(xs).for_each(|(y, x)| *y = [*x, x * x]);
+        });
+        assert_eq!(f.eval(&3.0), [3.0, 9.0]);
+        let mut out = [[0.0; 2]; 3];
+        f.eval_batch(&[1.0, 2.0, 3.0], &mut out);
+        assert_eq!(out, [[1.0, 1.0], [2.0, 4.0], [3.0, 9.0]]);
     }
 
     #[test]

@@ -1,6 +1,54 @@
 //! Reductions over slices in lanes, which vectorise where a running total would not.
 
+use wide::f64x4;
+
 pub(crate) const LANES: usize = 8;
+
+/// What one pass over numbers x tells of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sums {
+    /// Σ d, Σ d², Σ d³ with d = x - origin.
+    pub(crate) powers: [f64; 3],
+    /// The largest |x|; NaN may or may not be passed over.
+    pub(crate) largest: f64,
+    /// Whether any x may be 0: none is if not.
+    pub(crate) zeros: bool,
+}
+
+/// In four lanes, which are added pairwise: four lanes of so many sums are what the registers of
+/// every x86-64 hold.
+#[inline(never)]
+pub(crate) fn sums_about(xs: &[f64], origin: f64) -> Sums {
+    let shift = f64x4::splat(origin);
+    let [mut sum, mut squares, mut cubes, mut largest] = [f64x4::ZERO; 4];
+    let mut least = f64x4::splat(f64::INFINITY);
+    let mut add = |chunk: &[f64; 4]| {
+        let x = f64x4::new(*chunk);
+        let d = x - shift;
+        let square = d * d;
+        sum += d;
+        squares += square;
+        cubes += square * d;
+        largest = largest.fast_max(x.abs());
+        least = least.fast_min(x.abs());
+    };
+    let (chunks, rest) = xs.as_chunks::<4>();
+    chunks.iter().for_each(&mut add);
+    if !rest.is_empty() {
+        let mut last = [origin; 4];
+        last.iter_mut().zip(rest).for_each(|(last, x)| *last = *x);
+        add(&last);
+    }
+    let pairwise = |lanes: f64x4| {
+        let [a, b, c, d] = lanes.to_array();
+        (a + b) + (c + d)
+    };
+    Sums {
+        powers: [sum, squares, cubes].map(pairwise),
+        largest: largest.to_array().into_iter().fold(0.0, f64::max),
+        zeros: least.to_array().iter().any(|least| !(*least > 0.0)),
+    }
+}
 
 /// Folds `step` over every eighth element into each of eight lanes.
 #[inline]
@@ -44,15 +92,6 @@ pub(crate) fn sum_and_squares(xs: &[f64], origin: f64, unit: f64) -> (f64, f64) 
 pub(crate) fn sum_of_cubes(xs: &[f64], origin: f64, unit: f64) -> f64 {
     let shift = origin * unit;
     pairwise(fold(xs, 0.0, |sum, x| sum + cube(x * unit - shift)))
-}
-
-/// Σ d³ with d = x - origin, and the largest magnitude of x; NaN may or may not be passed over.
-#[inline(never)]
-pub(crate) fn sum_of_cubes_and_largest(xs: &[f64], origin: f64) -> (f64, f64) {
-    let lanes = fold(xs, (0.0, 0.0), |(sum, most), x| {
-        (sum + cube(x - origin), if most > x.abs() { most } else { x.abs() })
-    });
-    (pairwise(lanes.map(|lane| lane.0)), lanes.into_iter().map(|lane| lane.1).fold(0.0, f64::max))
 }
 
 fn cube(d: f64) -> f64 {
@@ -102,13 +141,20 @@ fn pairwise([a, b, c, d, e, f, g, h]: [f64; LANES]) -> f64 {
 /// The least element; infinite for an empty slice. NaN may or may not be passed over.
 #[inline]
 pub(crate) fn least(xs: &[f64]) -> f64 {
-    let lanes = fold(xs, f64::INFINITY, |least, x| if least < x { least } else { x });
-    lanes.into_iter().fold(f64::INFINITY, f64::min)
+    let infinite = f64x4::splat(f64::INFINITY);
+    let (mut a, mut b) = (infinite, infinite);
+    let (chunks, rest) = xs.as_chunks::<LANES>();
+    for [x0, x1, x2, x3, x4, x5, x6, x7] in chunks {
+        a = a.fast_min(f64x4::new([*x0, *x1, *x2, *x3]));
+        b = b.fast_min(f64x4::new([*x4, *x5, *x6, *x7]));
+    }
+    let lanes = a.fast_min(b).to_array();
+    rest.iter().chain(&lanes).fold(f64::INFINITY, |least, x| if least < *x { least } else { *x })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{least, sum_and_squares, sum_of_cubes, sum_of_cubes_and_largest};
+    use super::{least, sum_and_squares, sum_of_cubes, sums_about};
     use super::{position_of_magnitude, relative_sums};
 
     #[test]
@@ -121,8 +167,8 @@ mod tests {
             let n = f64::from(n);
             let shifted_cubes = cubes - 3.0 * squares + 3.0 * exact - n;
             assert_eq!(sum_and_squares(&xs, 0.0, 1.0), (exact, squares));
-            assert_eq!(sum_of_cubes_and_largest(&xs, 0.0).0, cubes);
-            assert_eq!(sum_of_cubes_and_largest(&xs, 1.0).0, shifted_cubes);
+            assert_eq!(sums_about(&xs, 0.0).powers, [exact, squares, cubes]);
+            assert_eq!(sums_about(&xs, 1.0).powers[2], shifted_cubes);
             assert_eq!(sum_of_cubes(&xs, 0.0, 0.5), cubes / 8.0);
             let shifted = (exact - n, squares - 2.0 * exact + n);
             assert_eq!(sum_and_squares(&xs, 1.0, 1.0), shifted);
@@ -134,7 +180,14 @@ mod tests {
                     xs
                 };
                 assert_eq!(least(&with(-1.0)), -1.0);
-                assert_eq!(sum_of_cubes_and_largest(&with(-100.0), 0.0).1, 100.0);
+                assert_eq!(sums_about(&with(-100.0), 0.0).largest, 100.0);
+                let positive: Vec<f64> = xs.iter().map(|x| x + 1.0).collect();
+                assert!(!sums_about(&positive, 3.0).zeros && sums_about(&xs, 3.0).zeros);
+                for bad in [0.0, -0.0] {
+                    let mut ys = positive.clone();
+                    ys[at] = bad;
+                    assert!(sums_about(&ys, 3.0).zeros, "{at} of {n}");
+                }
             }
             assert_eq!(least(&xs), 0.0);
         }

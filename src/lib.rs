@@ -31,10 +31,11 @@
 //!               integrand f(x) ─────────┘
 //! ```
 //!
-//! - [`points`]: canonical numbers ξ in the unit interval, [`Random`](points::Random) from a seed or
-//!   [`Replay`](points::Replay) of given ones.
+//! - [`points`]: canonical numbers ξ in the unit interval: [`Random`](points::Random) from a seed,
+//!   [`Sobol`](points::Sobol), whose error falls faster, or [`Replay`](points::Replay) of given ones.
 //! - [`technique`]: a [`Technique`] maps ξ to a point x and knows the density of x.
-//! - [`Integrand`]: a closure `|x: &P| value`, of `f64`, `[f64; K]` or [`LnValue`].
+//! - [`Integrand`]: a closure `|x: &P| value`, of `f64`, `[f64; K]` or [`LnValue`]; or, for whole
+//!   batches, [`integrand::batch`].
 //! - [`weighting`]: how the techniques share f at x; [`Balance`](weighting::Balance) by default.
 //! - [`MultiSample`] and [`OneSample`], both an [`Estimator`], collect the contributions.
 //! - [`Estimate`]: value, standard error, interval, and what each technique did.
@@ -55,7 +56,7 @@ mod discrete;
 mod error;
 mod estimate;
 mod estimator;
-mod integrand;
+pub mod integrand;
 mod lanes;
 #[cfg(feature = "lighting")]
 pub mod lighting;

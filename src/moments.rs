@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::lanes;
+use crate::lanes::{self, Sums};
 use crate::part::{Contributions, Extreme};
 
 /// Count, mean, squared and cubed deviations of the contributions y of one technique, one component.
@@ -35,8 +35,14 @@ pub(crate) struct Moments {
 impl Moments {
     /// The moments of a block. The mean is finite if and only if every y is.
     pub(crate) fn of_block(ys: &[f64]) -> Self {
-        let Some(origin) = ys.first().copied() else { return Self::default() };
-        let (mut cubes, largest) = lanes::sum_of_cubes_and_largest(ys, origin);
+        Self::and_zeros(ys).0
+    }
+
+    /// The moments of a block, and whether a y in it may be 0.
+    pub(crate) fn and_zeros(ys: &[f64]) -> (Self, bool) {
+        let Some(origin) = ys.first().copied() else { return (Self::default(), false) };
+        let Sums { powers, largest, zeros } = lanes::sums_about(ys, origin);
+        let [mut sum, mut squares, mut cubes] = powers;
         // Within these bounds cubes neither overflow nor lose a digit that matters.
         let exponent = if largest == 0.0 || (1e-80..1e80).contains(&largest) {
             0
@@ -46,14 +52,19 @@ impl Moments {
         let unit = libm::ldexp(1.0, -exponent);
         if exponent != 0 {
             cubes = lanes::sum_of_cubes(ys, origin, unit);
+            (sum, squares) = lanes::sum_and_squares(ys, origin, unit);
         }
         let n = ys.len() as f64;
-        let (sum, squares) = lanes::sum_and_squares(ys, origin, unit);
         let m = sum / n;
         let mean = (origin * unit + m) / unit;
         let m2 = squares - sum * sum / n;
         let m3 = cubes - m * (3.0 * squares - 2.0 * m * sum);
-        Self { count: ys.len() as u64, mean, m2, m3, exponent, largest }
+        (Self { count: ys.len() as u64, mean, m2, m3, exponent, largest }, zeros)
+    }
+
+    /// Whether its units are among those that [`of_block`](Self::of_block) takes.
+    pub(crate) fn is_sound(&self) -> bool {
+        (-1020..=1020).contains(&self.exponent)
     }
 
     /// The moments of both sets of contributions together.

@@ -166,14 +166,14 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             }
         }
 
-        let mut zeros = 0;
+        let mut any_zero = true;
         for (c, y) in y.chunks_exact_mut(self.block).enumerate() {
-            zeros = 0;
             for ((y, value), factor) in y.iter_mut().zip(&*values).zip(&*factors) {
                 *y = value.times(c, *factor);
-                zeros += u64::from(*y == 0.0);
             }
-            blocks[c] = Moments::of_block(&y[..n]);
+            let (block, any) = Moments::and_zeros(&y[..n]);
+            blocks[c] = block;
+            any_zero &= any;
         }
         // A factor that is not exact is NaN, and so is then its contribution.
         if !(sound && blocks.iter().all(|block| block.mean.is_finite())) {
@@ -193,8 +193,8 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             }
             for (block, y) in blocks.iter_mut().zip(y.chunks_exact(self.block)) {
                 *block = Moments::of_block(&y[..n]);
-                zeros = y[..n].iter().map(|y| u64::from(*y == 0.0)).sum();
             }
+            any_zero = true;
         }
 
         for (j, ((x, value), weight)) in xs.iter().zip(&*values).zip(&*factors).enumerate() {
@@ -203,9 +203,8 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             inspect(&Sample { technique: i, replicate, index, x, value, weight, y, stride });
         }
         let rows = y.chunks_exact(self.block);
-        if rows.len() > 1 {
-            zeros = (0..n).map(|j| u64::from(rows.clone().all(|y| y[j] == 0.0))).sum();
-        }
+        let zero = |j: &usize| rows.clone().all(|y| y[*j] == 0.0);
+        let zeros = if any_zero { (0..n).filter(zero).count() as u64 } else { 0 };
         sums.counts[i].samples += n as u64;
         sums.counts[i].zero += zeros;
         let stream = i * self.replicates + replicate;

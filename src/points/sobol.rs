@@ -177,7 +177,7 @@ impl Coordinate {
         let rows = out.len().div_ceil(stride);
         // From a multiple of eight on, eight points have all but the last digits in common.
         let mut group = first / LANES as u64;
-        let mut skip = first as usize % LANES;
+        let mut skip = usize::try_from(first % LANES as u64).unwrap_or(0);
         let mut base = self.shift ^ sum(&self.columns, gray(LANES as u64 * group));
         let mut row = 0;
         while row < rows {

@@ -87,7 +87,7 @@ pub enum CheckpointError {
         #[source]
         error: std::io::Error,
     },
-    /// The file is no checkpoint, or not a whole one.
+    /// The file is no checkpoint, or not a whole one, or holds what no run of its kind has.
     #[error("checkpoint {}: {problem}", path.display())]
     Damaged {
         /// The file.

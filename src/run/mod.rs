@@ -72,6 +72,7 @@ mod progress;
 mod report;
 mod schedule;
 mod session;
+mod shape;
 mod state;
 mod status;
 mod tally;
@@ -133,6 +134,14 @@ impl<'a> Run<'a> {
     /// On so many threads, the calling one included. By default, as many as rayon's global pool has;
     /// without the feature `parallel`, it is always one.
     ///
+    /// With a number, the other threads are a pool of their own, which rayon's functions use where
+    /// the integrand calls them on one of these threads. A run may be started from within a pool,
+    /// and the integrand may use rayon's `join`, `scope` and parallel iterators, or execute another
+    /// run: a thread of the pool that waits so goes on with other work, with chunks of this run too.
+    /// The integrand must not wait for the pool in any other way, as at a channel for a job that it
+    /// has spawned, nor hold a lock while it waits: once all threads of the pool wait, or one
+    /// for its own lock, **the run hangs**, and neither a [`Cancel`] nor a time ends it.
+    ///
     /// # Errors
     ///
     /// There must be at least one, and at most 4096.
@@ -175,6 +184,9 @@ impl<'a> Run<'a> {
     /// The target may be another: a tighter tolerance, or more samples, continue from the file as
     /// if they had been asked for from the start.
     ///
+    /// A process that is killed while it writes may leave a file beside it, with `.<process>.tmp`
+    /// behind the name. No run reads it; it can be deleted.
+    ///
     /// If the file cannot be written at the start, nothing is run. If it cannot be written later,
     /// the run goes on and tries again (see [`Progress::unsaved`]), and the file keeps what it had; a
     /// run whose end cannot be saved is an error with the report in it.
@@ -211,7 +223,8 @@ impl<'a> Run<'a> {
         Ok(Self { shard: Shard { index, of }, ..self })
     }
 
-    /// Runs `estimator` on f with random numbers.
+    /// Runs `estimator` on f with random numbers. From within a pool of threads, or with an
+    /// integrand that uses one, see [`threads`](Run::threads).
     ///
     /// # Errors
     ///

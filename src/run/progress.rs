@@ -47,7 +47,7 @@ pub struct Progress {
     pub round: u32,
     /// The samples drawn so far, those of earlier sessions included.
     pub samples: u64,
-    /// The most that it will draw.
+    /// The most that it will draw; of a shard, its part.
     pub limit: u64,
     /// The value so far, of the first component; NaN if there is none yet.
     pub value: f64,
@@ -84,23 +84,25 @@ impl Progress {
         all: &Leaf,
         session: &Session,
     ) -> Self {
-        let Session { limit, loaded, began, confirming, .. } = session;
+        let Session { loaded, began, confirming, .. } = session;
+        let limit = session.own_limit();
         let estimate = Estimate::<V>::new(frame.design, frame.shares, all.node.part.clone());
         let elapsed = began.elapsed();
         let rate = samples.saturating_sub(*loaded) as f64 / elapsed.as_secs_f64().max(1e-9);
         let excess = target.has_tolerance().then(|| target.excess(&estimate));
+        // A shard has no tolerance.
         let end = |number| session.span(number).end;
         let last = match excess {
             Some(excess) if !confirming => {
                 let needed = samples as f64 * (MARGIN * excess).powi(2);
-                let enough = |number: &u32| end(*number) as f64 >= needed || end(*number) == *limit;
+                let enough = |number: &u32| end(*number) as f64 >= needed || end(*number) == limit;
                 // And one more, to confirm it.
                 (round..=round.saturating_add(64))
                     .find(enough)
-                    .map_or(*limit, |number| end(number + 1))
+                    .map_or(limit, |number| end(number + 1))
             }
             Some(_) => end(round),
-            None => *limit,
+            None => limit,
         };
         let seconds = last.saturating_sub(samples) as f64 / rate;
         let remaining = Duration::try_from_secs_f64(seconds).ok();
@@ -108,7 +110,7 @@ impl Progress {
         Self {
             round,
             samples,
-            limit: *limit,
+            limit,
             value: estimate.value_of(0),
             standard_error: estimate.error_of(0),
             excess,

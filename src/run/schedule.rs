@@ -55,7 +55,7 @@ impl Span {
     /// The samples of one chunk.
     pub(super) fn chunk(&self, index: u64) -> Range<u64> {
         let at = |index: u64| self.start.saturating_add(index.saturating_mul(self.chunk));
-        at(index).min(self.end)..at(index + 1).min(self.end)
+        at(index).min(self.end)..at(index.saturating_add(1)).min(self.end)
     }
 
     /// Whether a chunk is shorter than the others because the run ends within it.

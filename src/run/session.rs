@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use super::checkpoint::{self, Identity, Saved, Shard};
 use super::error::CheckpointError;
 use super::schedule::Span;
+use super::shape::Shape;
 use super::state::{Leaf, Round};
 
 /// What changes while a run goes on.
@@ -14,8 +15,10 @@ pub(super) struct Session {
     pub(super) shard: Shard,
     /// The most samples, in all shards.
     pub(super) limit: u64,
-    /// How many streams of points there are: the replicates of all techniques.
-    pub(super) streams: usize,
+    /// Of the estimator.
+    pub(super) techniques: usize,
+    /// Of the points.
+    pub(super) replicates: usize,
     pub(super) path: Option<PathBuf>,
     pub(super) save_every: Duration,
     pub(super) began: Instant,
@@ -32,7 +35,19 @@ pub(super) struct Session {
 
 impl Session {
     pub(super) fn span(&self, number: u32) -> Span {
-        Span::new(number, self.limit, self.streams)
+        Span::new(number, self.limit, self.streams())
+    }
+
+    /// The most samples, in this shard.
+    pub(super) fn own_limit(&self) -> u64 {
+        let own = |span: Span| span.samples_of(&span.share(self.shard.index, self.shard.of));
+        // Rounds double: there are fewer than a count has bits.
+        (0..u64::BITS).map(|number| own(self.span(number))).sum()
+    }
+
+    /// The replicates of all techniques.
+    fn streams(&self) -> usize {
+        self.techniques.saturating_mul(self.replicates)
     }
 
     /// What a round has come to.
@@ -92,11 +107,29 @@ impl Session {
         Ok(())
     }
 
+    /// # Errors
+    ///
+    /// Rounds that no run of this kind has, although the file is as it was written.
+    fn check(&self, path: &Path, saved: &Saved) -> Result<(), CheckpointError> {
+        let Identity { components, sums, .. } = saved.identity;
+        let Self { techniques, replicates, .. } = *self;
+        let shape = Shape { techniques, replicates, components, sums };
+        for (number, round) in (0..).zip(&saved.rounds) {
+            let endless = Span::new(number, u64::MAX, self.streams());
+            round.check(&endless, shape).map_err(|problem| CheckpointError::Damaged {
+                path: path.into(),
+                problem: format!("its round {number} has {problem}"),
+            })?;
+        }
+        Ok(())
+    }
+
     /// The rounds in the file, if there is one, as far as this run needs them.
     fn loaded_rounds(&self, identity: &Identity) -> Result<Vec<Round>, CheckpointError> {
         let Some(path) = self.path.clone() else { return Ok(Vec::new()) };
         let Some(saved) = checkpoint::load(&path)? else { return Ok(Vec::new()) };
         saved.check(&path, identity, self.shard)?;
+        self.check(&path, &saved)?;
         let other = |difference| CheckpointError::OtherRun { path: path.clone(), difference };
         if self.shard.of > 1 && saved.limit != self.limit {
             return Err(other(format!(
@@ -140,6 +173,7 @@ impl Session {
         for (index, (path, saved)) in (0..).zip(&parts) {
             let found = saved.shard.index;
             saved.check(path, &self.identity, Shard { index: found, of })?;
+            self.check(path, saved)?;
             if saved.limit != self.limit {
                 let difference = format!("it is of {} samples, not {}", saved.limit, self.limit);
                 return Err(CheckpointError::OtherRun { path: path.to_path_buf(), difference });
@@ -148,6 +182,9 @@ impl Session {
                 let (which, problem) =
                     if found > index { (index, "missing") } else { (found, "there twice") };
                 return Err(shards(format!("shard {which} of {of} is {problem}")));
+            }
+            if found >= of {
+                return Err(shards(format!("{} is shard {found} of {of}", path.display())));
             }
         }
         if (parts.len() as u64) < of {
@@ -160,8 +197,12 @@ impl Session {
                 if span.chunks() == 0 {
                     break;
                 }
-                let round = rounds.next().unwrap_or_default();
+                let mut round = rounds.next().unwrap_or_default();
                 let share = span.share(saved.shard.index, of);
+                if !round.fit(&span, share.clone()) {
+                    let name = path.display();
+                    return Err(shards(format!("{name} has more of round {number} than its part")));
+                }
                 if !share.is_empty() && round.done() != Some(share) {
                     return Err(shards(format!("{} is not finished", path.display())));
                 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::schedule::Span;
+use super::shape::Shape;
 use super::tree::{Node, Tree};
 use crate::tail::Tail;
 
@@ -47,6 +48,35 @@ impl Round {
         }
     }
 
+    /// Whether a round from a file can be one at all, wherever its run ends. `span` is the round of
+    /// a run without end.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with it.
+    pub(super) fn check(&self, span: &Span, shape: Shape) -> Result<(), String> {
+        let whole = self.tree.chunks().filter(|whole| whole.end <= span.chunks());
+        if whole.is_none() || self.done().is_none() || !self.tree.is_merged() {
+            return Err("chunks that do not follow one another".into());
+        }
+        for (chunks, node) in self.tree.nodes() {
+            shape.check(node, span.samples_of(&chunks))?;
+        }
+        if self.tree.nodes().next().is_some() {
+            shape.check_tails(&self.tails)?;
+        } else if !self.tails.is_empty() {
+            return Err("tails without chunks".into());
+        }
+        if let Some(Cut { index, start, end, leaf }) = &self.cut {
+            let chunk = span.chunk(*index);
+            if *start != chunk.start || start >= end || *end >= chunk.end {
+                return Err(format!("samples {start} to {end} as chunk {index}"));
+            }
+            shape.check_leaf(leaf, end - start)?;
+        }
+        Ok(())
+    }
+
     /// Forgets a cut chunk that this span has longer or shorter. Whether what is left is the
     /// beginning of `share`, the chunks of the span that are to be here.
     pub(super) fn fit(&mut self, span: &Span, share: Range<u64>) -> bool {
@@ -68,8 +98,8 @@ impl Round {
         let whole = self.tree.chunks()?;
         match &self.cut {
             None => Some(whole),
-            Some(cut) if whole.is_empty() => Some(cut.index..cut.index + 1),
-            Some(cut) if cut.index == whole.end => Some(whole.start..cut.index + 1),
+            Some(cut) if whole.is_empty() => Some(cut.index..cut.index.saturating_add(1)),
+            Some(cut) if cut.index == whole.end => Some(whole.start..cut.index.saturating_add(1)),
             Some(_) => None,
         }
     }
@@ -122,10 +152,12 @@ fn merge_tails(left: &mut Vec<Tail>, right: &[Tail]) {
 #[cfg(test)]
 mod tests {
     use super::{Leaf, Round};
+    use crate::estimator::Seen;
     use crate::part::{Counts, Part};
     use crate::run::schedule::Span;
+    use crate::run::shape::Shape;
     use crate::run::tally::Cells;
-    use crate::run::tree::Node;
+    use crate::run::tree::{Node, Tree};
     use crate::tail::Tail;
 
     /// So many samples, with one large contribution.
@@ -134,7 +166,8 @@ mod tests {
         tail.push(&[y], y);
         let counts = vec![Counts { samples, ..Counts::default() }];
         let part = Part { contributions: Vec::new(), counts };
-        let node = Node { part, seen: Vec::new(), densities: Vec::new(), cells: Cells::default() };
+        let (seen, densities) = (vec![Seen::default()], vec![[0.0; 2]]);
+        let node = Node { part, seen, densities, cells: Cells::default() };
         Leaf { node, tails: vec![tail] }
     }
 
@@ -186,6 +219,75 @@ mod tests {
         assert_eq!((gap.done(), gap.samples(&span)), (None, 0));
         assert_eq!(Round::default().done(), Some(0..0));
         assert!(Round::default().total().is_none());
+    }
+
+    #[test]
+    fn what_no_run_has_is_refused() {
+        let shape = Shape { techniques: 1, replicates: 1, components: 0, sums: 0 };
+        let endless = Span::new(0, u64::MAX, 1);
+        let check = |change: fn(&mut Round)| {
+            let (_, mut cut) = round(200, 0..4);
+            // Of no component, there are no tails.
+            cut.tails.clear();
+            cut.cut.as_mut().unwrap().leaf.tails.clear();
+            change(&mut cut);
+            cut.check(&endless, shape)
+        };
+        assert_eq!(check(|_| ()), Ok(()));
+        assert_eq!(check(|round| round.cut = None), Ok(()));
+        assert_eq!(check(|round| round.tree = Tree::default()), Ok(()));
+        assert_eq!(check(|round| *round = Round::default()), Ok(()));
+
+        let says = |change: fn(&mut Round), text: &str| {
+            assert_eq!(check(change), Err(text.into()));
+        };
+        let gap = "chunks that do not follow one another";
+        says(|round| round.tree.push(0, 8, leaf(64, 1.0).node), gap);
+        says(|round| round.tree.push(0, u64::MAX, leaf(64, 1.0).node), gap);
+        says(|round| round.cut.as_mut().unwrap().index = 4, gap);
+        // Chunks 0 and 1 apart, as a file can have them.
+        let apart = |round: &mut Round| {
+            let nodes = vec![(0_u32, 0_u64, leaf(64, 1.0).node), (0, 1, leaf(64, 1.0).node)];
+            round.cut = None;
+            round.tree = postcard::from_bytes(&postcard::to_stdvec(&nodes).unwrap()).unwrap();
+            assert_eq!(round.done(), Some(0..2));
+        };
+        says(apart, gap);
+        // More chunks than the first round has.
+        let more = |round: &mut Round| {
+            round.cut = None;
+            (3..17).for_each(|k| round.tree.push(0, k, leaf(64, 1.0).node));
+        };
+        says(more, gap);
+        let samples = |start, end, index| format!("samples {start} to {end} as chunk {index}");
+        for (start, end) in [(191, 200), (192, 192), (200, 192), (192, 256), (192, u64::MAX)] {
+            let (_, mut cut) = round(200, 3..4);
+            let own = cut.cut.as_mut().unwrap();
+            (own.start, own.end) = (start, end);
+            assert_eq!(cut.check(&endless, shape), Err(samples(start, end, 3)));
+        }
+        let (_, mut last) = round(200, 3..4);
+        last.cut.as_mut().unwrap().index = u64::MAX;
+        assert_eq!(last.check(&endless, shape), Err(samples(192, 200, u64::MAX)));
+
+        says(
+            |round| round.cut.as_mut().unwrap().leaf = leaf(8, 1.0),
+            "1 tails where there should be 0",
+        );
+        let other = |round: &mut Round| round.cut.as_mut().unwrap().leaf.node = leaf(9, 1.0).node;
+        says(other, "9 samples where there should be 8");
+        says(|round| round.tails = leaf(8, 1.0).tails, "1 tails where there should be 0");
+        let without = |round: &mut Round| {
+            round.tree = Tree::default();
+            round.tails = leaf(8, 1.0).tails;
+        };
+        says(without, "tails without chunks");
+        let fewer = |round: &mut Round| {
+            round.tree = Tree::default();
+            round.tree.push(1, 0, leaf(127, 1.0).node);
+            round.tree.push(0, 2, leaf(64, 1.0).node);
+        };
+        says(fewer, "127 samples where there should be 128");
     }
 
     #[test]

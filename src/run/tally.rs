@@ -142,6 +142,15 @@ impl Cells {
         }
     }
 
+    pub(super) fn sums(&self) -> usize {
+        self.sums
+    }
+
+    /// How many samples added to each cell.
+    pub(super) fn counts(&self) -> impl ExactSizeIterator<Item = u64> {
+        self.rows.iter().map(|cell| cell.count)
+    }
+
     /// What tells these from other sums of the same samples.
     pub(super) fn words(&self) -> impl Iterator<Item = u64> {
         let words = |cell: &Cell| [cell.count, cell.mean.to_bits(), cell.m2.to_bits()];
@@ -152,7 +161,8 @@ impl Cells {
         for (left, right) in self.rows.iter_mut().zip(&right.rows) {
             *left = left.merge(*right);
         }
-        self.misplaced += right.misplaced;
+        // Calls are not bounded by the samples.
+        self.misplaced = self.misplaced.saturating_add(right.misplaced);
     }
 
     /// The sums as estimates, where the samples were these; `components` is the number of them in
@@ -336,6 +346,23 @@ mod tests {
     }
 
     #[test]
+    fn a_technique_without_a_share_takes_no_part() {
+        let mut cells = Cells::new(2, 1);
+        for amount in [1.0, 2.0, 4.0] {
+            cells.sample(1, &mut Pending::default(), |tally| tally.add(0, amount));
+        }
+        let counts = [0, 3].map(|samples| Counts { samples, ..Counts::default() });
+        let part = Part { contributions: Vec::new(), counts: counts.to_vec() };
+        let (design, on_fault) = (Design::Stratified, OnFault::Error);
+        let shares = &[0.0, 1.0];
+        let frame = Frame { design, shares, samples: 3, on_fault, weighting: &Balance };
+        let sum = cells.tallied(&frame, &part, 1)[0];
+        let (_, mean, m2) = plain(&[1.0, 2.0, 4.0]);
+        assert!((sum.value - mean).abs() < 1e-15);
+        assert!((sum.standard_error.unwrap() - (m2 / 6.0).sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
     fn what_cannot_be_known() {
         for design in [Design::Stratified, Design::Pooled] {
             let none = tallied(&Cells::new(2, 1), design, [3, 3]);
@@ -360,5 +387,9 @@ mod tests {
         assert_eq!(twice.misplaced, 4);
         agree(twice.rows[0], plain(&[1.0, 0.75, 1.0, 0.75]));
         agree(twice.rows[2], plain(&[4.0, 2.0, 4.0, 2.0]));
+        // No number of calls is too many.
+        twice.misplaced = u64::MAX;
+        twice.merge(&cells());
+        assert_eq!(twice.misplaced, u64::MAX);
     }
 }

@@ -169,8 +169,12 @@ impl Target {
 
     /// # Errors
     ///
-    /// The norm is of a component that there is not.
+    /// There is no component at all, or not the one that the norm is of.
     pub(super) fn check(&self, components: usize) -> Result<(), ArgumentError> {
+        if components == 0 {
+            let rule = "the values of an integrand must have at least one component";
+            return Err(ArgumentError::new("Run", "Value::COMPONENTS", components, rule));
+        }
         match self.norm {
             Norm::Component(c) if c >= components => {
                 let rule = format!("the integrand has {components} components");
@@ -362,6 +366,11 @@ mod tests {
         }
         let second = Target::new().norm(Norm::Component(1));
         assert!(second.check(1).is_err() && second.check(2).is_ok());
+        for target in [Target::new(), second] {
+            let message = target.check(0).unwrap_err().to_string();
+            let rule = "the values of an integrand must have at least one component";
+            assert_eq!(message, format!("Run: `Value::COMPONENTS` is 0, but {rule}"));
+        }
         assert!(second.counts(1) && !second.counts(0) && Target::new().counts(9));
     }
 }

@@ -64,12 +64,29 @@ impl Tree {
         }
     }
 
+    /// The nodes, each with the chunks that it covers.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = (std::ops::Range<u64>, &Node)> {
+        let at = |level: &u32, index: u64| index.saturating_mul(1_u64.unbounded_shl(*level));
+        let chunks =
+            move |level, index: &u64| at(level, *index)..at(level, index.saturating_add(1));
+        self.nodes.iter().map(move |(level, index, node)| (chunks(level, index), node))
+    }
+
+    /// Whether all neighbours that make up a node are merged.
+    pub(super) fn is_merged(&self) -> bool {
+        let pair = |a: &(u32, u64, Node), b: &(u32, u64, Node)| {
+            a.0 == b.0 && b.1 % 2 == 1 && a.1 == b.1 - 1
+        };
+        self.nodes.iter().zip(self.nodes.iter().skip(1)).all(|(a, b)| !pair(a, b))
+    }
+
     /// The chunks that the nodes cover, if there is no gap between them.
     pub(super) fn chunks(&self) -> Option<std::ops::Range<u64>> {
         let mut covered: Option<std::ops::Range<u64>> = None;
         for (level, index, _) in &self.nodes {
-            let first = index.checked_shl(*level)?;
-            let end = index.checked_add(1)?.checked_shl(*level)?;
+            let chunks = 1_u64.checked_shl(*level)?;
+            let first = index.checked_mul(chunks)?;
+            let end = first.checked_add(chunks)?;
             let start = match covered {
                 None => first,
                 Some(covered) if covered.end == first => covered.start,
@@ -180,5 +197,36 @@ mod tests {
         let mut twice = tree(0..3);
         twice.append(tree(2..4));
         assert_eq!(twice.chunks(), None);
+        // Beyond the range of counts: bits must not be lost.
+        for (level, index, chunks) in [
+            (63, 0, Some(0..1 << 63)),
+            (63, 1, None),
+            (63, 2, None),
+            (64, 0, None),
+            (1, 1 << 63, None),
+            (0, u64::MAX - 1, Some(u64::MAX - 1..u64::MAX)),
+            (0, u64::MAX, None),
+        ] {
+            assert_eq!(Tree { nodes: vec![(level, index, node(0))] }.chunks(), chunks);
+        }
+    }
+
+    #[test]
+    fn nodes_and_whether_they_are_merged() {
+        let seven = tree(1..8);
+        let chunks: Vec<_> = seven.nodes().map(|(chunks, _)| chunks).collect();
+        assert_eq!(chunks, [1..2, 2..4, 4..8]);
+        assert!(seven.nodes().all(|(chunks, node)| {
+            node.part.counts[0].samples == 2 * (chunks.end - chunks.start)
+        }));
+        for start in 0..6 {
+            assert!((start..9).all(|end| tree(start..end).is_merged()));
+        }
+        let nodes = |nodes: [(u32, u64); 2]| Tree {
+            nodes: nodes.map(|(level, index)| (level, index, node(0))).to_vec(),
+        };
+        assert!(!nodes([(0, 4), (0, 5)]).is_merged() && !nodes([(3, 0), (3, 1)]).is_merged());
+        assert!(nodes([(0, 5), (0, 6)]).is_merged() && nodes([(1, 0), (0, 1)]).is_merged());
+        assert!(nodes([(0, 0), (0, 3)]).is_merged());
     }
 }

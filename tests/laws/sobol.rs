@@ -132,8 +132,9 @@ fn means_of_x_have_the_variance_of_strata() {
 /// Streams, seeds and dimensions are scrambled independently of each other.
 #[test]
 fn scramblings_are_independent() {
+    type Pair<'a> = &'a dyn Fn(usize) -> [f64; 2];
     let n = 4096;
-    let pairs: [(&str, &dyn Fn(usize) -> [f64; 2]); 3] = [
+    let pairs: [(&str, Pair<'_>); 3] = [
         ("stream", &|k| [points(1, 2 * k, 5, 1, 1)[0], points(1, 2 * k + 1, 5, 1, 1)[0]]),
         ("seed", &|k| {
             [points(2 * k as u64, 0, 5, 1, 1)[0], points(2 * k as u64 + 1, 0, 5, 1, 1)[0]]
@@ -153,7 +154,7 @@ fn thousands_of_dimensions() {
     let last = |dimension: usize| points(1, 0, 4, dimension, 1)[dimension - 1];
     assert_ne!(last(1000), last(21_201));
     assert_eq!(points(1, 0, 4, 21_201, 1)[999], last(1000));
-    let error = Sobol::new(1).fill(0, 4, 21_202, &mut [0.0; 21_202]).unwrap_err();
+    let error = Sobol::new(1).fill(0, 4, 21_202, &mut vec![0.0; 21_202]).unwrap_err();
     assert_eq!((error.dimension, error.available, error.sample), (21_202, 21_201, 4));
     let error = Sobol::new(1).fill(2, u64::MAX, 1, &mut [0.0; 2]).unwrap_err();
     assert_eq!((error.stream, error.sample), (2, u64::MAX));

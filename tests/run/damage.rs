@@ -61,7 +61,11 @@ fn corrupted(step: usize, random: u64) -> u64 {
         let expected = match length {
             0..8 => format!("it has {length} bytes"),
             8..28 => format!("it ends after {length} bytes"),
-            _ => "it was cut or joined".into(),
+            _ => format!(
+                "it should hold {} bytes and holds {}: it was cut or joined",
+                sound.len() - 28,
+                length - 28
+            ),
         };
         assert!(text.contains(&expected), "{length}: {text}");
         // The same, filled up with zeros, as after a crash.
@@ -123,6 +127,149 @@ fn corrupted(step: usize, random: u64) -> u64 {
 fn damaged_files_are_refused() {
     let cases = corrupted(31, 8000);
     assert!(cases > 10_000, "{cases}");
+}
+
+/// The file with what lies between its header and its checksum changed, and both corrected.
+fn with_payload(sound: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
+    let mut payload = sound[20..sound.len() - 8].to_vec();
+    change(&mut payload);
+    let mut bytes = sound[..12].to_vec();
+    bytes.extend((payload.len() as u64).to_le_bytes());
+    bytes.extend(payload);
+    let checksum = crc::Crc::<u64>::new(&crc::CRC_64_XZ).checksum(&bytes);
+    bytes.extend(checksum.to_le_bytes());
+    bytes
+}
+
+/// What tells a run from others, its shard and its limit.
+type Head = ((String, usize, usize, u64, u64, String), (u64, u64), u64);
+
+/// Where the rounds begin in a payload.
+fn rounds_of(payload: &[u8]) -> usize {
+    let (_, rounds) = postcard::take_from_bytes::<Head>(payload).unwrap();
+    payload.len() - rounds.len()
+}
+
+/// With a correct checksum, as of a build with an error.
+#[test]
+fn rounds_of_another_estimator() {
+    let folder = Folder::new();
+    let cases = cases();
+    let case = |name: &str| cases.iter().find(|case| case.name == name).unwrap();
+    for (own, other, text) in [
+        ("tally", "multi-sample", "3 contributions where there should be 2"),
+        ("vector, power", "multi-sample", "3 contributions where there should be 6"),
+        ("tally", "one-sample", "0 sums of a tally where there should be 5"),
+        ("one-sample", "tally", "5 sums of a tally where there should be 0"),
+    ] {
+        // Alone, and as the second of two shards.
+        for of in [1, 2] {
+            let file = |name: &str| {
+                let path = folder.file(&format!("{name} of {of} damaged.run"));
+                fs::remove_file(&path).ok();
+                let run = case(name).run().checkpoint(&path).shard(of - 1, of).unwrap();
+                assert_eq!(case(name).go(run).error, None);
+                (fs::read(&path).unwrap(), path)
+            };
+            let ((sound, path), (donor, _)) = (file(own), file(other));
+            let donor = &donor[20..donor.len() - 8];
+            let bytes = with_payload(&sound, |payload| {
+                payload.truncate(rounds_of(payload));
+                payload.extend(&donor[rounds_of(donor)..]);
+            });
+            let case = case(own);
+            let error = if of == 1 {
+                Damaged { case, path, sound }.refused(&bytes)
+            } else {
+                fs::write(&path, &bytes).unwrap();
+                let first = folder.file("first");
+                let run = case.run().checkpoint(&first).shard(0, 2).unwrap();
+                fs::remove_file(&first).ok();
+                assert_eq!(case.go(run).error, None);
+                case.merge(case.run(), &[first, path]).error.unwrap()
+            };
+            assert!(error.ends_with(&format!("damaged.run: its round 0 has {text}")), "{error}");
+        }
+    }
+}
+
+/// Shards that hold a part that is not theirs, or of which there are more than they say.
+#[test]
+fn shards_of_another_division() {
+    let folder = Folder::new();
+    let case = &cases()[0];
+    let draw = |of: u64| -> Vec<PathBuf> {
+        let path = |index| folder.file(&format!("{index} of {of} damaged.run"));
+        let shard = |index| case.run().checkpoint(path(index)).shard(index, of).unwrap();
+        (0..of).for_each(|index| assert_eq!(case.go(shard(index)).error, None));
+        (0..of).map(path).collect()
+    };
+    let merged = |files: &[PathBuf]| case.merge(case.run(), files).error.unwrap();
+    // Of 90, most have none of the 16 chunks of the first round.
+    let files = draw(90);
+    let donor = fs::read(&files[89]).unwrap();
+    let donor = &donor[20..donor.len() - 8];
+    let bytes = with_payload(&fs::read(&files[1]).unwrap(), |payload| {
+        payload.truncate(rounds_of(payload));
+        payload.extend(&donor[rounds_of(donor)..]);
+    });
+    fs::write(&files[1], bytes).unwrap();
+    let error = merged(&files);
+    assert!(error.ends_with("1 of 90 damaged.run has more of round 0 than its part"), "{error}");
+
+    let files = draw(3);
+    for path in &files {
+        let bytes = with_payload(&fs::read(path).unwrap(), |payload| {
+            let rounds = payload.split_off(rounds_of(payload));
+            let (mut head, _) = postcard::take_from_bytes::<Head>(payload).unwrap();
+            head.1.1 = 2;
+            *payload = postcard::to_stdvec(&head).unwrap();
+            payload.extend(rounds);
+        });
+        fs::write(path, bytes).unwrap();
+    }
+    let error = merged(&files);
+    assert!(error.ends_with("2 of 3 damaged.run is shard 2 of 2"), "{error}");
+}
+
+/// Whatever a file with a correct checksum holds: it is refused or continued, without a panic.
+#[test]
+fn damage_below_the_checksum() {
+    let folder = Folder::new();
+    let case = tally("tally", sobol);
+    let path = folder.file("damaged.run");
+    let target = Target::new().samples(1100).unwrap();
+    assert_eq!(case.go(Run::new(target).checkpoint(&path)).error, None);
+    let sound = fs::read(&path).unwrap();
+    assert_eq!(with_payload(&sound, |_| ()), sound);
+    let start = rounds_of(&sound[20..sound.len() - 8]);
+    let mut refused = std::collections::BTreeMap::new();
+    let mut go = |change: &dyn Fn(&mut Vec<u8>)| {
+        fs::write(&path, with_payload(&sound, change)).unwrap();
+        let outcome = case.go(case.run().checkpoint(&path));
+        if let Some(error) = outcome.error {
+            let problem: String = error.chars().filter(|c| !c.is_ascii_digit()).collect();
+            *refused.entry(problem).or_insert(0) += 1;
+        }
+    };
+    let (mut dice, mut cases) = (Dice(5), 0);
+    for (at, byte) in sound.iter().skip(20 + start).take(sound.len() - 28 - start).enumerate() {
+        // Small ones are lengths, indices and counts; most of the others are digits of sums.
+        if *byte > 0 && *byte < 20 || dice.below(50) == 0 {
+            let at = start + at;
+            go(&|payload| payload[at] = byte.wrapping_add(1));
+            go(&|payload| payload[at] = byte.wrapping_sub(1));
+            // The largest of all numbers, as postcard writes them.
+            go(&|payload| drop(payload.splice(at..=at, [[0xff; 9].as_slice(), &[1]].concat())));
+            cases += 3;
+        }
+    }
+    assert!(cases > 1000, "{cases}");
+    // Flipped digits of sums cannot be told; of counts and lengths they can.
+    let has = |text: &str| refused.keys().any(|problem| problem.contains(text));
+    for text in ["cannot be read", "contradict", "follow one another", "as chunk", "should be"] {
+        assert!(has(text), "{text}: {refused:#?}");
+    }
 }
 
 /// A file with a correct checksum, but of a version that this build does not know.

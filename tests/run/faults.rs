@@ -12,7 +12,7 @@ use mis::{
     Target, Technique,
 };
 
-use crate::common::{Dice, Outcome, Raw, f, quiet};
+use crate::common::{Dice, Folder, Outcome, Raw, f, quiet};
 
 fn flat() -> Uniform {
     Uniform::new(0.0, 2.0).unwrap()
@@ -174,6 +174,31 @@ fn faults_that_count_as_zero() {
     };
     let error = Run::new(target).execute(&mis(0.1), &slow, 1).unwrap_err();
     assert!(error.report().unwrap().samples() < 1024);
+    assert!(matches!(error.fault(), RunFault::Estimate(EstimateError::Faults { .. })), "{error}");
+}
+
+/// Of a run that was cancelled, or of a shard, the samples that are missing may have fewer.
+#[test]
+fn too_many_faults_in_a_part_of_a_run() {
+    let (flat, folder) = (flat(), Folder::new());
+    let mis = MultiSample::new(&[(&flat, 1)]).unwrap();
+    let mis = mis.on_fault(OnFault::count_as_zero(0.02).unwrap());
+    // 3 %.
+    let planted = |x: &f64| if *x < 0.06 { f64::NAN } else { f(x) };
+    let too_many =
+        |report: &Report| report.estimate().non_finite() as f64 > 0.02 * report.samples() as f64;
+    assert!(run(5000, 2).execute(&mis, &planted, 1).is_err());
+    let cancelled = run(5000, 2).progress(Duration::MAX, |_| std::ops::ControlFlow::Break(()));
+    let report = cancelled.execute(&mis, &planted, 1).unwrap();
+    assert_eq!((report.stop(), report.samples(), too_many(&report)), (Stop::Cancelled, 1024, true));
+    let files = [0, 1].map(|index| {
+        let path = folder.file(&format!("{index}"));
+        let shard = run(5000, 2).checkpoint(&path).shard(index, 2).unwrap();
+        let report = shard.execute(&mis, &planted, 1).unwrap();
+        assert_eq!((report.stop(), too_many(&report)), (Stop::Samples, true));
+        path
+    });
+    let error = run(5000, 2).merge(&mis, &planted, &Random::new(1), &files).unwrap_err();
     assert!(matches!(error.fault(), RunFault::Estimate(EstimateError::Faults { .. })), "{error}");
 }
 

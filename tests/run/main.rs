@@ -16,6 +16,9 @@ mod identity;
 mod interruption;
 mod judgement;
 mod kill;
+#[cfg(feature = "parallel")]
+mod pools;
+mod printed;
 mod progress;
 mod schedules;
 mod shards;

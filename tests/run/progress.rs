@@ -148,6 +148,27 @@ fn a_tolerance() {
 }
 
 #[test]
+fn a_shard_counts_its_own_part() {
+    let folder = Folder::new();
+    let mut limits = 0;
+    for index in 0..3 {
+        let run = Run::new(to(100_000)).checkpoint(folder.file(&format!("{index}")));
+        let (seen, report) = calls(run.shard(index, 3).unwrap(), Duration::MAX);
+        let limit = seen[0].limit;
+        for progress in &seen {
+            assert_eq!(progress.limit, limit);
+            let remaining = (limit - progress.samples) as f64 / progress.rate;
+            assert!((progress.remaining.unwrap().as_secs_f64() - remaining).abs() < 1e-6);
+        }
+        let last = seen.last().unwrap();
+        assert_eq!((last.samples, last.remaining), (limit, Some(Duration::ZERO)));
+        assert_eq!(report.samples(), limit);
+        limits += limit;
+    }
+    assert_eq!(limits, 100_000);
+}
+
+#[test]
 fn a_continued_run_shows_only_what_is_new() {
     let folder = Folder::new();
     let path = folder.file("run");
