@@ -150,7 +150,7 @@ def write(suite, files, settings, folder):
     ]
     seeds = " to ".join(map(str, sorted({cell.runs for cell in cells.values()})))
     text = f"""<!-- Written by `{settings["command"]}`; do not edit. -->
-{seeds} seeds, {settings["evaluations"]} evaluations each, one thread.
+{seeds} seeds, {settings["evaluations"]} evaluations each, one thread, compiled {settings["target"]}.
 {settings["date"]}, {settings["machine"]}.
 {"; ".join(settings["versions"] + sorted(versions) + settings["compilers"])}.
 
