@@ -2,7 +2,7 @@
 
 use super::InverseCdf;
 use super::batch::ROWS;
-use super::product::ln_density;
+use super::product::{at_least_1, is_final, ln_density};
 
 /// The points of the rows of `xi`, a coordinate at a time; no more rows than points.
 pub(super) fn fill_columns<T: InverseCdf, P: AsMut<[f64]>>(
@@ -32,21 +32,23 @@ pub(super) fn densities<T: InverseCdf, P: AsRef<[f64]>>(
     xs: &[P],
     out: &mut [f64],
 ) {
-    let (mut column, mut factors) = ([0.0; ROWS], [0.0; ROWS]);
+    let (mut column, mut factors, mut large) = ([0.0; ROWS], [0.0; ROWS], [0.0; ROWS]);
     for (xs, out) in xs.chunks(ROWS).zip(out.chunks_mut(ROWS)) {
         let (column, factors) = (&mut column[..xs.len()], &mut factors[..xs.len()]);
+        let large = &mut large[..xs.len()];
         out.fill(1.0);
+        large.fill(1.0);
         for (d, t) in coordinates.iter().enumerate() {
             for (value, x) in column.iter_mut().zip(xs) {
                 *value = x.as_ref()[d];
             }
             t.pdf_batch(column, factors);
-            for (p, factor) in out.iter_mut().zip(&*factors) {
-                *p *= factor;
+            for ((p, large), factor) in out.iter_mut().zip(&mut *large).zip(&*factors) {
+                (*p, *large) = (*p * factor, *large * at_least_1(*factor));
             }
         }
-        for (p, x) in out.iter_mut().zip(xs) {
-            if !p.is_normal() {
+        for ((p, large), x) in out.iter_mut().zip(&*large).zip(xs) {
+            if !is_final(*p, *large) {
                 *p = ln_density(coordinates, x.as_ref()).exp();
             }
         }
