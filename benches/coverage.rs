@@ -99,6 +99,10 @@ selected by it: the skewness of the samples, which it goes by, is large together
 Where few runs pass, those are the ones that saw too little of the tail, and are low. Such figures
 say nothing about the intervals; those of all runs, and *silent*, do.
 
+*Sobol' points* are of the balance heuristic or the only technique, in 16 replicates, from which the
+intervals come. Where contributions have a tail, the end of it stays random, and such intervals are a
+little too narrow.
+
 *x and a hidden spike* is what no judgement can see: more than half of the variance lies on a
 thousandth of the interval, and one run of 1000 samples in three has none there. To a tolerance, few
 runs converge before they have met it.
