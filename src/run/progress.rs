@@ -63,7 +63,7 @@ pub struct Progress {
     /// Samples a second, in this session.
     pub rate: f64,
     /// How long it may take from here, to the end of the round that confirms the tolerance, if the
-    /// error goes on falling as 1/√N; at most until the time of the target is up. `None` while
+    /// error goes on falling as 1/√N, or 1/N from replicates; at most until the time of the target is up. `None` while
     /// nothing can be said.
     pub remaining: Option<Duration>,
     /// Whether the last checkpoint could not be written.
@@ -94,7 +94,8 @@ impl Progress {
         let end = |number| session.span(number).end;
         let last = match excess {
             Some(excess) if !confirming => {
-                let needed = samples as f64 * (MARGIN * excess).powi(2);
+                let power = if estimate.replicates() > 1 { 1 } else { 2 };
+                let needed = samples as f64 * (MARGIN * excess).powi(power);
                 let enough = |number: &u32| end(*number) as f64 >= needed || end(*number) == limit;
                 // And one more, to confirm it.
                 (round..=round.saturating_add(64))

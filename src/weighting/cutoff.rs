@@ -8,6 +8,8 @@ use crate::error::ArgumentError;
 /// a = 0 is the balance heuristic, a = 1 the maximum heuristic. With K techniques the second
 /// moment is at most 1 + a (K - 1) times that of the balance heuristic.
 ///
+/// The weights are discontinuous, which quasi-random points suffer from.
+///
 /// Source: Veach and Guibas 1995.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cutoff {
