@@ -63,8 +63,8 @@ pub struct Progress {
     /// Samples a second, in this session.
     pub rate: f64,
     /// How long it may take from here, to the end of the round that confirms the tolerance, if the
-    /// error goes on falling as 1/√N, or 1/N from replicates; at most until the time of the target is up. `None` while
-    /// nothing can be said.
+    /// error goes on falling as 1/√N, or 1/N from replicates; at most until the time of the target
+    /// is up. `None` while nothing can be said.
     pub remaining: Option<Duration>,
     /// Whether the last checkpoint could not be written.
     pub unsaved: bool,
