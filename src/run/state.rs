@@ -5,16 +5,31 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::schedule::Span;
-use super::shape::Shape;
+use super::shape::{Lengths, Shape};
 use super::tree::{Node, Tree};
 use crate::tail::Tail;
 
 /// What some chunks of a round came to.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Leaf {
     pub(super) node: Node,
     /// One for each component of each technique.
     pub(super) tails: Vec<Tail>,
+}
+
+/// Memory that chunks to come can have.
+#[derive(Debug, Default)]
+pub(super) struct Spare {
+    nodes: Vec<Node>,
+    tails: Vec<Vec<Tail>>,
+}
+
+impl Spare {
+    /// A leaf to be cleared.
+    pub(super) fn leaf(&mut self) -> Leaf {
+        let node = self.nodes.pop().unwrap_or_default();
+        Leaf { node, tails: self.tails.pop().unwrap_or_default() }
+    }
 }
 
 /// A chunk that is shorter than its round would have it, as the run ends within it. It is kept
@@ -37,14 +52,15 @@ pub(super) struct Round {
 }
 
 impl Round {
-    /// Adds the chunk that follows those that are there.
-    pub(super) fn push(&mut self, span: &Span, index: u64, leaf: Leaf) {
+    /// Adds the chunk that follows those that are there. What memory is then free goes to `spare`.
+    pub(super) fn push(&mut self, span: &Span, index: u64, leaf: Leaf, spare: &mut Spare) {
         if span.is_cut(index) {
             let Range { start, end } = span.chunk(index);
             self.cut = Some(Cut { index, start, end, leaf });
         } else {
             merge_tails(&mut self.tails, &leaf.tails);
-            self.tree.push(0, index, leaf.node);
+            spare.tails.push(leaf.tails);
+            self.tree.push(0, index, leaf.node, &mut spare.nodes);
         }
     }
 
@@ -122,7 +138,7 @@ impl Round {
             return Some(Leaf { node: self.tree.total()?, tails: self.tails.clone() });
         };
         let (mut tree, mut tails) = (self.tree.clone(), self.tails.clone());
-        tree.push(0, cut.index, cut.leaf.node.clone());
+        tree.push(0, cut.index, cut.leaf.node.clone(), &mut Vec::new());
         merge_tails(&mut tails, &cut.leaf.tails);
         Some(Leaf { node: tree.total()?, tails })
     }
@@ -136,12 +152,30 @@ impl Round {
 }
 
 impl Leaf {
+    /// Makes it one of no samples; tails begin at `thresholds`.
+    pub(super) fn clear(&mut self, shape: Shape, thresholds: &[f64]) {
+        let Lengths { contributions, counts, seen, densities, tails, .. } = shape.lengths();
+        refill(&mut self.node.part.contributions, contributions);
+        refill(&mut self.node.part.counts, counts);
+        refill(&mut self.node.seen, seen);
+        refill(&mut self.node.densities, densities);
+        self.node.cells.clear(shape.streams(), shape.sums);
+        self.tails.resize(tails, Tail::default());
+        self.tails.iter_mut().zip(thresholds).for_each(|(tail, above)| tail.begin(*above));
+    }
+
     /// Both together; `self` comes first.
     pub(super) fn merge(mut self, right: &Self) -> Self {
         self.node = self.node.merge(&right.node);
         merge_tails(&mut self.tails, &right.tails);
         self
     }
+}
+
+/// So many defaults, in the memory that is there.
+fn refill<T: Clone + Default>(list: &mut Vec<T>, length: usize) {
+    list.clear();
+    list.resize(length, T::default());
 }
 
 fn merge_tails(left: &mut Vec<Tail>, right: &[Tail]) {
@@ -151,7 +185,7 @@ fn merge_tails(left: &mut Vec<Tail>, right: &[Tail]) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Leaf, Round};
+    use super::{Leaf, Round, Spare};
     use crate::estimator::Seen;
     use crate::part::{Counts, Part};
     use crate::run::schedule::Span;
@@ -181,7 +215,8 @@ mod tests {
         let mut round = Round::default();
         for k in chunks {
             let range = span.chunk(k);
-            round.push(&span, k, leaf(range.end - range.start, (k + 1) as f64));
+            let leaf = leaf(range.end - range.start, (k + 1) as f64);
+            round.push(&span, k, leaf, &mut Spare::default());
         }
         (span, round)
     }
@@ -242,8 +277,8 @@ mod tests {
             assert_eq!(check(change), Err(text.into()));
         };
         let gap = "chunks that do not follow one another";
-        says(|round| round.tree.push(0, 8, leaf(64, 1.0).node), gap);
-        says(|round| round.tree.push(0, u64::MAX, leaf(64, 1.0).node), gap);
+        says(|round| round.tree.push(0, 8, leaf(64, 1.0).node, &mut Vec::new()), gap);
+        says(|round| round.tree.push(0, u64::MAX, leaf(64, 1.0).node, &mut Vec::new()), gap);
         says(|round| round.cut.as_mut().unwrap().index = 4, gap);
         // Chunks 0 and 1 apart, as a file can have them.
         let apart = |round: &mut Round| {
@@ -256,7 +291,7 @@ mod tests {
         // More chunks than the first round has.
         let more = |round: &mut Round| {
             round.cut = None;
-            (3..17).for_each(|k| round.tree.push(0, k, leaf(64, 1.0).node));
+            (3..17).for_each(|k| round.tree.push(0, k, leaf(64, 1.0).node, &mut Vec::new()));
         };
         says(more, gap);
         let samples = |start, end, index| format!("samples {start} to {end} as chunk {index}");
@@ -284,8 +319,8 @@ mod tests {
         says(without, "tails without chunks");
         let fewer = |round: &mut Round| {
             round.tree = Tree::default();
-            round.tree.push(1, 0, leaf(127, 1.0).node);
-            round.tree.push(0, 2, leaf(64, 1.0).node);
+            round.tree.push(1, 0, leaf(127, 1.0).node, &mut Vec::new());
+            round.tree.push(0, 2, leaf(64, 1.0).node, &mut Vec::new());
         };
         says(fewer, "127 samples where there should be 128");
     }
@@ -310,7 +345,7 @@ mod tests {
         for k in 2..16 {
             let mut many = leaf(64, 1.0);
             many.tails[0].push(&[7.0; 40], 7.0);
-            round.push(&span, k, many);
+            round.push(&span, k, many, &mut Spare::default());
         }
         round.thresholds(&mut thresholds);
         assert_eq!(thresholds, [7.0, -1.0]);

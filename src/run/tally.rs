@@ -125,7 +125,16 @@ pub(super) struct Cells {
 
 impl Cells {
     pub(super) fn new(streams: usize, sums: usize) -> Self {
-        Self { sums, rows: vec![Cell::default(); streams * sums], misplaced: 0 }
+        let mut cells = Self::default();
+        cells.clear(streams, sums);
+        cells
+    }
+
+    /// Forgets all amounts.
+    pub(super) fn clear(&mut self, streams: usize, sums: usize) {
+        self.rows.clear();
+        self.rows.resize(streams * sums, Cell::default());
+        (self.sums, self.misplaced) = (sums, 0);
     }
 
     /// Adds what `observe` says of one sample of stream `i`, a replicate of a technique.
