@@ -53,6 +53,11 @@ impl Tail {
         }
     }
 
+    /// Gives back the memory that it does not need.
+    pub(crate) fn shrink(&mut self) {
+        self.magnitudes.shrink_to_fit();
+    }
+
     /// The largest 257 magnitudes, or all that are not 0, in no order.
     pub(crate) fn magnitudes(&mut self) -> &[f64] {
         self.prune();

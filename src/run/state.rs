@@ -132,6 +132,11 @@ impl Round {
         self.cut = self.cut.take().or(right.cut);
     }
 
+    /// Gives back what memory its tails do not need: a run keeps all its rounds.
+    pub(super) fn shrink(&mut self) {
+        self.tails.iter_mut().for_each(Tail::shrink);
+    }
+
     /// What all its chunks came to.
     pub(super) fn total(&self) -> Option<Leaf> {
         let Some(cut) = &self.cut else {
@@ -155,12 +160,14 @@ impl Leaf {
     /// Makes it one of no samples; tails begin at `thresholds`.
     pub(super) fn clear(&mut self, shape: Shape, thresholds: &[f64]) {
         let Lengths { contributions, counts, seen, densities, tails, .. } = shape.lengths();
-        refill(&mut self.node.part.contributions, contributions);
-        refill(&mut self.node.part.counts, counts);
+        let Node { part, cells, .. } = &mut self.node;
+        refill(&mut part.contributions, contributions);
+        refill(&mut part.counts, counts);
+        cells.clear(shape.streams(), shape.sums);
         refill(&mut self.node.seen, seen);
         refill(&mut self.node.densities, densities);
-        self.node.cells.clear(shape.streams(), shape.sums);
         self.tails.resize(tails, Tail::default());
+        let thresholds = thresholds.iter().chain(std::iter::repeat(&0.0));
         self.tails.iter_mut().zip(thresholds).for_each(|(tail, above)| tail.begin(*above));
     }
 
@@ -190,7 +197,7 @@ mod tests {
     use crate::part::{Counts, Part};
     use crate::run::schedule::Span;
     use crate::run::shape::Shape;
-    use crate::run::tally::Cells;
+    use crate::run::tally::{Cells, Pending};
     use crate::run::tree::{Node, Tree};
     use crate::tail::Tail;
 
@@ -350,6 +357,35 @@ mod tests {
         round.thresholds(&mut thresholds);
         assert_eq!(thresholds, [7.0, -1.0]);
         assert_eq!(round.total().unwrap().tails[0].magnitudes().len(), 257);
+    }
+
+    /// A chunk finds nothing of the one before, of which it has the memory.
+    #[test]
+    fn cleared_leaves_are_like_new() {
+        let shape = Shape { techniques: 2, replicates: 3, components: 2, sums: 5 };
+        let cleared = |mut leaf: Leaf, thresholds: &[f64]| {
+            leaf.clear(shape, thresholds);
+            leaf
+        };
+        let fresh = cleared(Leaf::default(), &[]);
+        let mut part = Part::empty(2, 3, 2);
+        part.contributions[11].extreme.y = 1.0;
+        part.counts[1].zero = 1;
+        let seen = vec![Seen { samples: 1, contributions: 1 }; 2];
+        let mut cells = Cells::new(6, 5);
+        cells.sample(5, &mut Pending::default(), |tally| {
+            tally.add(4, 1.0);
+            tally.add(5, 1.0);
+        });
+        let node = Node { part, seen, densities: vec![[1.0; 2]; 4], cells };
+        let mut used = Leaf { node, tails: fresh.tails.clone() };
+        used.tails.iter_mut().for_each(|tail| tail.push(&[1.0], 1.0));
+        assert_eq!(cleared(used.clone(), &[]), fresh);
+        // Or of one of another shape.
+        assert_eq!(cleared(leaf(3, 1.0), &[]), fresh);
+        let thresholds = [1.0, 2.0, 3.0, 4.0];
+        let tails = cleared(used, &thresholds).tails;
+        assert_eq!(tails.iter().map(Tail::threshold).collect::<Vec<_>>(), thresholds);
     }
 
     #[test]

@@ -152,6 +152,15 @@ mod tests {
     }
 
     #[test]
+    fn all_nodes_that_are_merged_are_handed_on() {
+        for n in 1..=17 {
+            let (mut tree, mut spent) = (Tree::default(), Vec::new());
+            (0..n).for_each(|k| tree.push(0, k, node(k), &mut spent));
+            assert_eq!((tree.nodes.len() + spent.len()) as u64, n);
+        }
+    }
+
+    #[test]
     fn neighbours_merge_and_leftovers_from_last_to_first() {
         let pair = |k| node(k).merge(&node(k + 1));
         let four = pair(0).merge(&pair(2));

@@ -239,8 +239,9 @@ where
                 resume_unwind(panic);
             }
         });
-        let Shared { next, failure, .. } =
+        let Shared { round, next, failure, .. } =
             shared.into_inner().unwrap_or_else(PoisonError::into_inner);
+        round.shrink();
         match failure {
             Some((_, fault)) => Outcome::Failed(fault),
             None if next == end => Outcome::Done,
