@@ -141,6 +141,12 @@ pub(crate) struct Accumulator {
 }
 
 impl Accumulator {
+    /// Forgets all blocks.
+    pub(crate) fn clear(&mut self) {
+        self.nodes.clear();
+        self.extreme = Extreme::default();
+    }
+
     /// Adds a block of contributions with its moments; `index` numbers its samples.
     pub(crate) fn push(&mut self, ys: &[f64], block: Moments, index: impl Fn(usize) -> u64) {
         if block.largest > self.extreme.y.abs()

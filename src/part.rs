@@ -57,7 +57,7 @@ impl Counts {
 
 /// What a range of an estimator's samples came to.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Part {
+pub(crate) struct Part {
     /// One for each component of each replicate of each technique, a technique's side by side, and
     /// a replicate's; of contributions y = w f / (α p), so that the estimate is their mean.
     pub(crate) contributions: Vec<Contributions>,

@@ -17,9 +17,10 @@ pub(crate) struct Tail {
 }
 
 impl Tail {
-    /// An empty tail of a set in which at least 257 others are known to reach `above`.
-    pub(crate) fn above(above: f64) -> Self {
-        Self { above, magnitudes: Vec::new() }
+    /// Begins anew, with a set in which at least 257 others are known to reach `above`.
+    pub(crate) fn begin(&mut self, above: f64) {
+        self.above = above;
+        self.magnitudes.clear();
     }
 
     /// Where the tail begins: what is not above cannot change it.
@@ -50,6 +51,11 @@ impl Tail {
         if self.magnitudes.len() >= 2 * KEPT {
             self.prune();
         }
+    }
+
+    /// Gives back the memory that it does not need.
+    pub(crate) fn shrink(&mut self) {
+        self.magnitudes.shrink_to_fit();
     }
 
     /// The largest 257 magnitudes, or all that are not 0, in no order.
@@ -105,7 +111,8 @@ mod tests {
             assert_eq!(sorted(&merged), expected, "{cut}");
             // What a threshold that is already reached leaves out is not missed.
             let mut known = of(left);
-            let mut rest = Tail::above(known.threshold());
+            let mut rest = of(&numbers(1000));
+            rest.begin(known.threshold());
             rest.push(right, 1e9);
             known.merge(&rest);
             assert_eq!(sorted(&known), expected, "{cut} with a threshold");

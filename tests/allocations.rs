@@ -1,11 +1,12 @@
-//! No allocation per sample.
+//! No allocation per sample, nor per chunk of a run.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use allocation_counter::measure;
+use allocation_counter::{AllocationInfo, measure};
+use mis::points::{PointSource, Random, Sobol};
 use mis::technique::{Linear, Mixture, Product, ProductVec, TruncatedNormal, Uniform};
 use mis::weighting::{Constant, Power, Weighting};
-use mis::{Estimator, Integrand, MultiSample, OnFault, OneSample, Technique};
+use mis::{Estimator, Integrand, MultiSample, OnFault, OneSample, Run, Target, Technique};
 
 /// Allocations of an estimate from `n` samples of each technique.
 fn allocations<P, W, F>(
@@ -89,4 +90,63 @@ fn points_of_run_time_length() {
     // One point for each place in a block (a part of one first, where the selection is random).
     assert!(many[0] <= few[0] + 16, "{few:?} {many:?}");
     assert!(many[1] <= few[1] + 16 + 100, "{few:?} {many:?}");
+}
+
+/// A run on one thread: of others, allocations are not counted. `tenths` is whether the parts of the
+/// integral on tenths of the unit interval are tallied.
+fn run(
+    estimator: &impl Estimator<f64>,
+    points: &impl PointSource,
+    tenths: bool,
+    n: u64,
+) -> AllocationInfo {
+    let run = Run::new(Target::new().samples(n).unwrap()).threads(1).unwrap();
+    let f = |x: &f64| x * x;
+    measure(|| {
+        let report = if tenths {
+            run.tally(estimator, &f, points, 10, |sample, tally| {
+                let tenth = (1..10).filter(|k| 10.0 * sample.x() >= f64::from(*k)).count();
+                tally.add(tenth, sample.contribution());
+            })
+        } else {
+            run.execute_from(estimator, &f, points)
+        };
+        assert_eq!(report.unwrap().samples(), n);
+    })
+}
+
+/// Twice the samples are one round more, of 122 chunks here, and one level more of the tree.
+#[track_caller]
+fn assert_steady(estimator: &impl Estimator<f64>, points: &impl PointSource) {
+    for tenths in [false, true] {
+        let [few, many, most] =
+            [100_000, 1_000_000, 2_000_000].map(|n| run(estimator, points, tenths, n));
+        let more = most.count_total - many.count_total;
+        assert!(more <= 200, "{more} allocations more, with a tally: {tenths}");
+        // What a node of the tree holds for its two techniques.
+        let node = 2 * points.replicates() * if tenths { 64 + 10 * 24 } else { 64 };
+        let bytes_per_level = (most.bytes_max - few.bytes_max) as f64 / 20_f64.log2();
+        let at_most = (12_000 + 4 * node) as f64;
+        assert!(bytes_per_level <= at_most, "{bytes_per_level} bytes, with a tally: {tenths}");
+    }
+}
+
+#[track_caller]
+fn assert_both_steady(points: &impl PointSource) {
+    let (flat, ramp) = (Uniform::unit(), Linear::new(0.0, 1.0, 1.0, 3.0).unwrap());
+    assert_steady(&MultiSample::new(&[(&flat, 1), (&ramp, 1)]).unwrap(), points);
+    assert_steady(&OneSample::new(&[(&flat, 0.5), (&ramp, 0.5)], 1).unwrap(), points);
+}
+
+#[test]
+fn runs_with_random_points() {
+    assert_both_steady(&Random::new(1));
+}
+
+#[test]
+fn runs_with_sobol_points() {
+    let sobol = Sobol::new(1);
+    // The first of all unpacks the direction numbers.
+    sobol.fill(0, 0, 2, &mut [0.0; 2]).unwrap();
+    assert_both_steady(&sobol);
 }

@@ -18,11 +18,11 @@ const PAIRED: usize = 64;
 ///
 /// The first chunks of a run hold no more than that, and are looked at as a whole; of full ones,
 /// the look would cost too much.
-#[derive(Debug, Clone, Default)]
-pub struct Evidence {
+#[derive(Debug)]
+pub(crate) struct Evidence<'a> {
     /// One for each component of each technique, a technique's side by side.
-    pub(crate) tails: Vec<Tail>,
-    pub(crate) seen: Vec<Seen>,
+    pub(crate) tails: &'a mut [Tail],
+    pub(crate) seen: &'a mut [Seen],
     /// Σ d and Σ d² over the samples of technique i, with d = p_k / Σ α_m p_m - 1, at i K + k.
     ///
     /// The mean of 1 + d over all samples, each technique by its share α_i, has the expectation
@@ -30,7 +30,7 @@ pub struct Evidence {
     /// NaN if some density left the range of `f64`; zeros where only one technique has samples,
     /// and where the weights are constant; empty for more than 64 techniques, of which the pairs
     /// would cost more than the samples.
-    pub(crate) densities: Vec<[f64; 2]>,
+    pub(crate) densities: &'a mut [[f64; 2]],
 }
 
 /// How many samples of a technique were looked at.
@@ -41,17 +41,10 @@ pub(crate) struct Seen {
     pub(crate) contributions: u64,
 }
 
-impl Evidence {
-    /// Room for the evidence on `techniques` and their components; tails begin at `thresholds`.
-    pub(crate) fn new(techniques: usize, thresholds: &[f64]) -> Self {
-        Self {
-            tails: thresholds.iter().copied().map(Tail::above).collect(),
-            seen: vec![Seen::default(); techniques],
-            densities: vec![
-                [0.0; 2];
-                if techniques > PAIRED { 0 } else { techniques * techniques }
-            ],
-        }
+impl Evidence<'_> {
+    /// How many sums of densities there are for so many techniques.
+    pub(crate) fn pairs(techniques: usize) -> usize {
+        if techniques > PAIRED { 0 } else { techniques * techniques }
     }
 
     /// How many samples of a block of technique `i` are to be looked at.

@@ -40,6 +40,24 @@ pub(super) struct Batch {
 /// Buffers, used again from block to block, and from range to range.
 #[derive(Debug)]
 pub struct Buffers<P, V> {
+    pub(super) block: BlockBuffers<P, V>,
+    pub(super) selection: Selection,
+}
+
+/// Room for samples that select their techniques.
+#[derive(Debug, Default)]
+pub(super) struct Selection {
+    /// The canonical numbers of all.
+    pub(super) rows: Vec<f64>,
+    /// The technique of each.
+    pub(super) choices: Vec<usize>,
+    /// The indices of those that have selected one technique.
+    pub(super) selected: Vec<u64>,
+}
+
+/// Room for a block, and for the moments of the blocks before it.
+#[derive(Debug)]
+pub(super) struct BlockBuffers<P, V> {
     pub(super) xi: Vec<f64>,
     xs: Vec<P>,
     values: Vec<V>,
@@ -54,6 +72,8 @@ pub struct Buffers<P, V> {
     ratios: Ratios,
     /// 1 / Σ α_k p_k.
     mixture: Vec<f64>,
+    /// In the order of [`Part::contributions`].
+    accumulators: Vec<Accumulator>,
 }
 
 /// Room for the ratios r_k at one point, and their logarithms.
@@ -65,7 +85,7 @@ struct Ratios {
 
 impl<P, V> Buffers<P, V> {
     pub(crate) fn new() -> Self {
-        Self {
+        let block = BlockBuffers {
             xi: Vec::new(),
             xs: Vec::new(),
             values: Vec::new(),
@@ -75,36 +95,33 @@ impl<P, V> Buffers<P, V> {
             blocks: Vec::new(),
             ratios: Ratios::default(),
             mixture: Vec::new(),
+            accumulators: Vec::new(),
+        };
+        Self { block, selection: Selection::default() }
+    }
+}
+
+impl<P, V> BlockBuffers<P, V> {
+    /// Adds the moments of all blocks to `part`.
+    pub(super) fn finish(&self, part: &mut Part) {
+        for (sum, blocks) in part.contributions.iter_mut().zip(&self.accumulators) {
+            *sum = sum.merge(blocks.total());
         }
     }
 }
 
-/// What is known of the samples so far.
+/// What samples are added to.
 #[derive(Debug)]
-pub(super) struct Sums {
-    /// In the order of [`Part::contributions`].
-    pub(super) contributions: Vec<Accumulator>,
-    /// One for each technique.
-    pub(super) counts: Vec<Counts>,
-    pub(super) evidence: Option<Evidence>,
-}
-
-impl Sums {
-    pub(super) fn finish(self) -> (Part, Option<Evidence>) {
-        let contributions = self.contributions.iter().map(Accumulator::total).collect();
-        (Part { contributions, counts: self.counts }, self.evidence)
-    }
+pub struct Sums<'a> {
+    pub(crate) part: &'a mut Part,
+    pub(crate) evidence: Option<Evidence<'a>>,
 }
 
 impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
-    /// Makes `buffers` fit, and begins the sums.
-    pub(super) fn start<V: Value>(
-        &self,
-        buffers: &mut Buffers<P, V>,
-        evidence: Option<Evidence>,
-    ) -> Sums {
+    /// Makes `buffers` fit, and forgets the blocks before.
+    pub(super) fn start<V: Value>(&self, buffers: &mut BlockBuffers<P, V>) {
         let techniques = self.techniques.len();
-        let Buffers { values, pdfs, factors, y, blocks, ratios, mixture, .. } = buffers;
+        let BlockBuffers { values, pdfs, factors, y, blocks, ratios, mixture, .. } = buffers;
         values.resize(self.block, V::zero());
         pdfs.resize(self.block * techniques, 0.0);
         y.resize(self.block * V::COMPONENTS, 0.0);
@@ -116,19 +133,19 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             buffer.resize(techniques, 0.0);
         }
         let streams = techniques * self.replicates;
-        let contributions = vec![Accumulator::default(); V::COMPONENTS * streams];
-        Sums { contributions, counts: vec![Counts::default(); techniques], evidence }
+        buffers.accumulators.resize_with(V::COMPONENTS * streams, Accumulator::default);
+        buffers.accumulators.iter_mut().for_each(Accumulator::clear);
     }
 
-    /// Samples a technique at the rows of `buffers.xi`, at most a block, and adds their
-    /// contributions to `sums`. `index` numbers the samples.
+    /// Samples a technique at the rows of `buffers.xi`, at most a block, and adds them to `sums`, but
+    /// for their moments, which [`finish`](BlockBuffers::finish) adds. `index` numbers the samples.
     pub(super) fn block<F, I>(
         &self,
         batch: &Batch,
         index: impl Fn(usize) -> u64,
         f: &F,
-        buffers: &mut Buffers<P, F::Value>,
-        sums: &mut Sums,
+        buffers: &mut BlockBuffers<P, F::Value>,
+        sums: &mut Sums<'_>,
         inspect: &mut I,
     ) -> Result<(), EstimateError>
     where
@@ -136,7 +153,18 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         I: FnMut(&Sample<'_, P, F::Value>),
     {
         let Batch { technique: i, replicate, samples: n } = *batch;
-        let Buffers { xi, xs, values, pdfs, factors, y, blocks, ratios, mixture } = buffers;
+        let BlockBuffers {
+            xi,
+            xs,
+            values,
+            pdfs,
+            factors,
+            y,
+            blocks,
+            ratios,
+            mixture,
+            accumulators,
+        } = buffers;
         let held = xs.len();
         self.techniques[i].sample_batch(xi, xs);
         // One that appends would leave the points of an earlier block in front.
@@ -185,7 +213,7 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
                         return Err(EstimateError::new(i, index(j), &xs[j], &values[j], &fault));
                     }
                     Err(fault) => {
-                        sums.counts[i].count(&fault);
+                        sums.part.counts[i].count(&fault);
                         factors[j] = 0.0;
                         y.chunks_exact_mut(self.block).for_each(|y| y[j] = 0.0);
                     }
@@ -205,11 +233,11 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         let rows = y.chunks_exact(self.block);
         let zero = |j: &usize| rows.clone().all(|y| y[*j] == 0.0);
         let zeros = if any_zero { (0..n).filter(zero).count() as u64 } else { 0 };
-        sums.counts[i].samples += n as u64;
-        sums.counts[i].zero += zeros;
+        sums.part.counts[i].samples += n as u64;
+        sums.part.counts[i].zero += zeros;
         let stream = i * self.replicates + replicate;
-        let contributions = &mut sums.contributions[stream * F::Value::COMPONENTS..];
-        for ((sum, y), block) in contributions.iter_mut().zip(rows.clone()).zip(&*blocks) {
+        let accumulators = &mut accumulators[stream * F::Value::COMPONENTS..];
+        for ((sum, y), block) in accumulators.iter_mut().zip(rows.clone()).zip(&*blocks) {
             sum.push(&y[..n], *block, &index);
         }
         if let Some(evidence) = &mut sums.evidence

@@ -8,7 +8,7 @@ mod sample;
 
 pub(crate) use crate::estimate::Design;
 pub(crate) use evidence::{Evidence, Seen};
-pub(crate) use kernel::Buffers;
+pub(crate) use kernel::{Buffers, Sums};
 pub use multi_sample::MultiSample;
 pub use one_sample::OneSample;
 pub use sample::{OnFault, Sample};
@@ -18,7 +18,7 @@ use std::ops::Range;
 
 use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::Estimate;
-use crate::integrand::Integrand;
+use crate::integrand::{Integrand, Value};
 use crate::part::Part;
 use crate::points::{PointSource, Random};
 use crate::technique::Technique;
@@ -48,8 +48,10 @@ pub trait Estimator<P: Debug>: Draw<P> {
         I: FnMut(&Sample<'_, P, F::Value>),
     {
         let frame = self.frame();
-        let (part, _) =
-            self.draw(f, points, 0..frame.samples, None, &mut Buffers::new(), inspect)?;
+        let replicates = points.replicates().max(1);
+        let mut part = Part::empty(frame.shares.len(), replicates, F::Value::COMPONENTS);
+        let sums = Sums { part: &mut part, evidence: None };
+        self.draw(f, points, 0..frame.samples, &mut Buffers::new(), sums, inspect)?;
         let all = part.all();
         frame.on_fault.check(all.faults(), all.samples)?;
         Ok(Estimate::new(frame.design, frame.shares, part))
@@ -89,16 +91,16 @@ impl<P: Debug, E: Draw<P>> Estimator<P> for E {}
 pub trait Draw<P>: Sync {
     fn frame(&self) -> Frame<'_>;
 
-    /// What the samples of `range` come to. `evidence` is added to, if there is any.
+    /// Adds the samples of `range` to `sums`, which have room for all streams of `points`.
     fn draw<F, S, I>(
         &self,
         f: &F,
         points: &S,
         range: Range<u64>,
-        evidence: Option<Evidence>,
         buffers: &mut Buffers<P, F::Value>,
+        sums: Sums<'_>,
         inspect: I,
-    ) -> Result<(Part, Option<Evidence>), EstimateError>
+    ) -> Result<(), EstimateError>
     where
         F: Integrand<P> + ?Sized,
         S: PointSource + ?Sized,

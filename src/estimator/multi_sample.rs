@@ -3,12 +3,12 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
-use super::kernel::{Batch, Buffers, Kernel};
+use super::kernel::{Batch, Buffers, Kernel, Sums};
 use super::sample::{OnFault, Sample};
-use super::{BLOCK, Draw, Dyn, Evidence, Frame, block_size, check_techniques, dealt};
+use super::{BLOCK, Draw, Dyn, Frame, block_size, check_techniques, dealt};
 use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::Design;
-use crate::integrand::Integrand;
+use crate::integrand::{Integrand, Value};
 use crate::part::Part;
 use crate::points::PointSource;
 use crate::technique::Technique;
@@ -125,18 +125,17 @@ impl<P: Debug, W: Weighting> Draw<P> for MultiSample<'_, P, W> {
         f: &F,
         points: &S,
         range: Range<u64>,
-        evidence: Option<Evidence>,
         buffers: &mut Buffers<P, F::Value>,
+        sums: Sums<'_>,
         inspect: I,
-    ) -> Result<(Part, Option<Evidence>), EstimateError>
+    ) -> Result<(), EstimateError>
     where
         F: Integrand<P> + ?Sized,
         S: PointSource + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
         let own = |i| self.of_the_first(range.start, i)..self.of_the_first(range.end, i);
-        let ranges: Vec<Range<u64>> = (0..self.techniques.len()).map(own).collect();
-        self.draw_each(f, points, &ranges, evidence, buffers, inspect)
+        self.draw_each(f, points, own, buffers, sums, inspect)
     }
 
     fn probe<F, S, I>(&self, f: &F, points: &S, each: u64, inspect: I) -> Result<(), EstimateError>
@@ -145,30 +144,33 @@ impl<P: Debug, W: Weighting> Draw<P> for MultiSample<'_, P, W> {
         S: PointSource + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
-        let own = |alpha: &f64| 0..if *alpha > 0.0 { each } else { 0 };
-        let ranges: Vec<Range<u64>> = self.alpha.iter().map(own).collect();
-        self.draw_each(f, points, &ranges, None, &mut Buffers::new(), inspect).map(|_| ())
+        let own = |i: usize| 0..if self.alpha[i] > 0.0 { each } else { 0 };
+        let replicates = points.replicates().max(1);
+        let mut part = Part::empty(self.techniques.len(), replicates, F::Value::COMPONENTS);
+        let sums = Sums { part: &mut part, evidence: None };
+        self.draw_each(f, points, own, &mut Buffers::new(), sums, inspect)
     }
 }
 
 impl<P: Debug, W: Weighting> MultiSample<'_, P, W> {
-    /// Draws a range of each technique's samples.
+    /// Draws a range of each technique's samples, `own` of its number.
     fn draw_each<F, S, I>(
         &self,
         f: &F,
         points: &S,
-        ranges: &[Range<u64>],
-        evidence: Option<Evidence>,
+        own: impl Fn(usize) -> Range<u64>,
         buffers: &mut Buffers<P, F::Value>,
+        mut sums: Sums<'_>,
         mut inspect: I,
-    ) -> Result<(Part, Option<Evidence>), EstimateError>
+    ) -> Result<(), EstimateError>
     where
         F: Integrand<P> + ?Sized,
         S: PointSource + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
         let replicates = points.replicates().max(1);
-        let most = ranges.iter().map(|range| range.end - range.start).max().unwrap_or(0);
+        let samples = (0..self.techniques.len()).map(&own).map(|range| range.end - range.start);
+        let most = samples.max().unwrap_or(0);
         let kernel = Kernel {
             techniques: &self.techniques,
             alpha: &self.alpha,
@@ -178,10 +180,12 @@ impl<P: Debug, W: Weighting> MultiSample<'_, P, W> {
             replicates,
             block: block_size(most.div_ceil(replicates as u64)),
         };
-        let mut sums = kernel.start(buffers, evidence);
-        for (technique, (dimension, range)) in self.dimensions.iter().zip(ranges).enumerate() {
+        let buffers = &mut buffers.block;
+        kernel.start(buffers);
+        for (technique, dimension) in self.dimensions.iter().enumerate() {
+            let range = own(technique);
             for replicate in 0..replicates {
-                let range = dealt(range, replicates, replicate);
+                let range = dealt(&range, replicates, replicate);
                 for first in range.clone().step_by(BLOCK) {
                     let samples = block_size(range.end - first);
                     buffers.xi.resize(samples * dimension, 0.0);
@@ -193,7 +197,8 @@ impl<P: Debug, W: Weighting> MultiSample<'_, P, W> {
                 }
             }
         }
-        Ok(sums.finish())
+        buffers.finish(sums.part);
+        Ok(())
     }
 }
 

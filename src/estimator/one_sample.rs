@@ -3,13 +3,13 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
-use super::kernel::{Batch, Buffers, Kernel};
+use super::kernel::{Batch, Buffers, Kernel, Selection, Sums};
 use super::sample::{OnFault, Sample};
-use super::{BLOCK, Draw, Dyn, Evidence, Frame, block_size, check_techniques, dealt};
+use super::{BLOCK, Draw, Dyn, Frame, block_size, check_techniques, dealt};
 use crate::discrete::Discrete;
 use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::Design;
-use crate::integrand::Integrand;
+use crate::integrand::{Integrand, Value};
 use crate::part::Part;
 use crate::points::PointSource;
 use crate::technique::Technique;
@@ -144,10 +144,10 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
         f: &F,
         points: &S,
         range: Range<u64>,
-        evidence: Option<Evidence>,
         buffers: &mut Buffers<P, F::Value>,
+        mut sums: Sums<'_>,
         mut inspect: I,
-    ) -> Result<(Part, Option<Evidence>), EstimateError>
+    ) -> Result<(), EstimateError>
     where
         F: Integrand<P> + ?Sized,
         S: PointSource + ?Sized,
@@ -163,17 +163,15 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
             replicates,
             block: block_size((range.end - range.start).div_ceil(replicates as u64)),
         };
-        let mut sums = kernel.start(buffers, evidence);
+        let Buffers { block: buffers, selection: Selection { rows, choices, selected } } = buffers;
+        kernel.start(buffers);
         let dimension = 1 + self.dimensions.iter().copied().max().unwrap_or(0);
-        let mut rows = Vec::new();
-        let mut choices = Vec::with_capacity(kernel.block);
-        let mut selected = Vec::with_capacity(kernel.block);
         for replicate in 0..replicates {
             let range = dealt(&range, replicates, replicate);
             for first in range.clone().step_by(BLOCK) {
                 let n = block_size(range.end - first);
                 rows.resize(n * dimension, 0.0);
-                points.fill(replicate, first, dimension, &mut rows)?;
+                points.fill(replicate, first, dimension, rows)?;
                 let rows = rows.chunks_exact(dimension);
                 choices.clear();
                 choices.extend(rows.clone().map(|row| self.selection.select(row[0])));
@@ -181,7 +179,7 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
                     let xi = &mut buffers.xi;
                     xi.clear();
                     selected.clear();
-                    for ((row, choice), number) in rows.clone().zip(&choices).zip(first..) {
+                    for ((row, choice), number) in rows.clone().zip(&*choices).zip(first..) {
                         if *choice == technique {
                             xi.extend_from_slice(&row[1..=*own]);
                             selected.push(number * replicates as u64 + replicate as u64);
@@ -196,7 +194,8 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
                 }
             }
         }
-        Ok(sums.finish())
+        buffers.finish(sums.part);
+        Ok(())
     }
 
     fn probe<F, S, I>(&self, f: &F, points: &S, each: u64, inspect: I) -> Result<(), EstimateError>
@@ -206,7 +205,10 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
         I: FnMut(&Sample<'_, P, F::Value>),
     {
         let samples = each * self.techniques.len() as u64;
-        self.draw(f, points, 0..samples, None, &mut Buffers::new(), inspect).map(|_| ())
+        let replicates = points.replicates().max(1);
+        let mut part = Part::empty(self.techniques.len(), replicates, F::Value::COMPONENTS);
+        let sums = Sums { part: &mut part, evidence: None };
+        self.draw(f, points, 0..samples, &mut Buffers::new(), sums, inspect)
     }
 }
 

@@ -17,13 +17,12 @@ use super::state::{Leaf, Round};
 use super::status::Stop;
 use super::tally::{Cells, Pending};
 use super::threads::Threads;
-use super::tree::Node;
 use super::worker::{Brake, Job, Observer, Outcome, caught};
 use crate::error::{ArgumentError, shortened};
 use crate::estimate::Estimate;
-use crate::estimator::{Estimator, Evidence, Frame, OnFault};
+use crate::estimator::{Estimator, Frame, OnFault};
 use crate::integrand::{Integrand, Value};
-use crate::part::{Counts, Part};
+use crate::part::Counts;
 use crate::points::PointSource;
 
 /// How many samples of each technique tell one run from another.
@@ -133,7 +132,7 @@ where
         let Run { target, shard, checkpoint, .. } = &self.run;
         target.check(F::Value::COMPONENTS)?;
         let sums = self.job.observer.sums();
-        if sums.checked_mul(self.job.streams()).is_none_or(|cells| cells > MOST_SUMS) {
+        if sums.checked_mul(self.job.shape().streams()).is_none_or(|cells| cells > MOST_SUMS) {
             let rule = "there may be 2^24 at most, over all techniques and replicates";
             return Err(ArgumentError::new("Run::tally", "sums", sums, rule));
         }
@@ -155,7 +154,7 @@ where
     fn identity(&self, merges: bool) -> Identity {
         let Job { estimator, f, points, observer, .. } = &self.job;
         let mut words = Vec::new();
-        let mut cells = Cells::new(self.job.streams(), observer.sums());
+        let mut cells = Cells::new(self.job.shape().streams(), observer.sums());
         if merges || self.run.checkpoint.is_some() {
             let mut pending = Pending::default();
             let probed = caught(|| {
@@ -388,11 +387,8 @@ where
 
     /// No samples.
     fn nothing(&self) -> Leaf {
-        let techniques = self.frame().shares.len();
-        let part = Part::empty(techniques, self.job.replicates(), F::Value::COMPONENTS);
-        let thresholds = vec![0.0; techniques * F::Value::COMPONENTS];
-        let Evidence { tails, seen, densities } = Evidence::new(techniques, &thresholds);
-        let cells = Cells::new(self.job.streams(), self.job.observer.sums());
-        Leaf { node: Node { part, seen, densities, cells }, tails }
+        let mut leaf = Leaf::default();
+        leaf.clear(self.job.shape(), &[]);
+        leaf
     }
 }

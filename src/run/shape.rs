@@ -17,26 +17,31 @@ pub(super) struct Shape {
 
 /// The lengths of the lists of a [`Leaf`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Lengths {
-    contributions: usize,
-    counts: usize,
-    seen: usize,
-    densities: usize,
+pub(super) struct Lengths {
+    pub(super) contributions: usize,
+    pub(super) counts: usize,
+    pub(super) seen: usize,
+    pub(super) densities: usize,
     /// The cells of a tally.
-    cells: usize,
-    tails: usize,
+    pub(super) cells: usize,
+    pub(super) tails: usize,
 }
 
 impl Shape {
+    /// The replicates of all techniques.
+    pub(super) fn streams(self) -> usize {
+        self.techniques.saturating_mul(self.replicates)
+    }
+
     /// What the lengths must be.
-    fn lengths(self) -> Lengths {
-        let Self { techniques, replicates, components, sums } = self;
-        let streams = techniques.saturating_mul(replicates);
+    pub(super) fn lengths(self) -> Lengths {
+        let Self { techniques, components, sums, .. } = self;
+        let streams = self.streams();
         Lengths {
             contributions: streams.saturating_mul(components),
             counts: techniques,
             seen: techniques,
-            densities: Evidence::new(techniques, &[]).densities.len(),
+            densities: Evidence::pairs(techniques),
             cells: streams.saturating_mul(sums),
             tails: techniques.saturating_mul(components),
         }
@@ -117,9 +122,9 @@ fn has(what: &str, found: usize, expected: usize) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::{Lengths, Shape};
-    use crate::estimator::{Evidence, Seen};
+    use crate::estimator::Seen;
     use crate::moments::Moments;
-    use crate::part::{Counts, Part};
+    use crate::part::Counts;
     use crate::run::state::Leaf;
     use crate::run::tally::{Cells, Pending};
     use crate::run::tree::Node;
@@ -128,19 +133,19 @@ mod tests {
 
     /// Two samples of the first technique, five of the second.
     fn leaf() -> Leaf {
-        let mut part = Part::empty(2, 1, 3);
+        let mut leaf = Leaf::default();
+        leaf.clear(SHAPE, &[0.0; 6]);
+        let Node { part, seen, cells, .. } = &mut leaf.node;
         for (k, contributions) in part.contributions.iter_mut().enumerate() {
             contributions.moments = Moments::of_block(&[1.0; 5][..if k < 3 { 2 } else { 5 }]);
         }
         part.counts[0] = Counts { samples: 2, zero: 2, uncovered: 1, non_finite: 1 };
         part.counts[1] = Counts { samples: 5, ..Counts::default() };
-        let Evidence { tails, mut seen, densities } = Evidence::new(2, &[0.0; 6]);
         seen[0] = Seen { samples: 2, contributions: 2 };
-        let mut cells = Cells::new(2, 4);
         for i in [0, 0, 1, 1, 1, 1, 1] {
             cells.sample(i, &mut Pending::default(), |tally| tally.add(3, 1.0));
         }
-        Leaf { node: Node { part, seen, densities, cells }, tails }
+        leaf
     }
 
     fn problem(samples: u64, change: impl Fn(&mut Leaf)) -> String {

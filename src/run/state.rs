@@ -5,16 +5,31 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::schedule::Span;
-use super::shape::Shape;
+use super::shape::{Lengths, Shape};
 use super::tree::{Node, Tree};
 use crate::tail::Tail;
 
 /// What some chunks of a round came to.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Leaf {
     pub(super) node: Node,
     /// One for each component of each technique.
     pub(super) tails: Vec<Tail>,
+}
+
+/// Memory that chunks to come can have.
+#[derive(Debug, Default)]
+pub(super) struct Spare {
+    nodes: Vec<Node>,
+    tails: Vec<Vec<Tail>>,
+}
+
+impl Spare {
+    /// A leaf to be cleared.
+    pub(super) fn leaf(&mut self) -> Leaf {
+        let node = self.nodes.pop().unwrap_or_default();
+        Leaf { node, tails: self.tails.pop().unwrap_or_default() }
+    }
 }
 
 /// A chunk that is shorter than its round would have it, as the run ends within it. It is kept
@@ -37,14 +52,15 @@ pub(super) struct Round {
 }
 
 impl Round {
-    /// Adds the chunk that follows those that are there.
-    pub(super) fn push(&mut self, span: &Span, index: u64, leaf: Leaf) {
+    /// Adds the chunk that follows those that are there. What memory is then free goes to `spare`.
+    pub(super) fn push(&mut self, span: &Span, index: u64, leaf: Leaf, spare: &mut Spare) {
         if span.is_cut(index) {
             let Range { start, end } = span.chunk(index);
             self.cut = Some(Cut { index, start, end, leaf });
         } else {
             merge_tails(&mut self.tails, &leaf.tails);
-            self.tree.push(0, index, leaf.node);
+            spare.tails.push(leaf.tails);
+            self.tree.push(0, index, leaf.node, &mut spare.nodes);
         }
     }
 
@@ -116,13 +132,18 @@ impl Round {
         self.cut = self.cut.take().or(right.cut);
     }
 
+    /// Gives back what memory its tails do not need: a run keeps all its rounds.
+    pub(super) fn shrink(&mut self) {
+        self.tails.iter_mut().for_each(Tail::shrink);
+    }
+
     /// What all its chunks came to.
     pub(super) fn total(&self) -> Option<Leaf> {
         let Some(cut) = &self.cut else {
             return Some(Leaf { node: self.tree.total()?, tails: self.tails.clone() });
         };
         let (mut tree, mut tails) = (self.tree.clone(), self.tails.clone());
-        tree.push(0, cut.index, cut.leaf.node.clone());
+        tree.push(0, cut.index, cut.leaf.node.clone(), &mut Vec::new());
         merge_tails(&mut tails, &cut.leaf.tails);
         Some(Leaf { node: tree.total()?, tails })
     }
@@ -136,12 +157,32 @@ impl Round {
 }
 
 impl Leaf {
+    /// Makes it one of no samples; tails begin at `thresholds`.
+    pub(super) fn clear(&mut self, shape: Shape, thresholds: &[f64]) {
+        let Lengths { contributions, counts, seen, densities, tails, .. } = shape.lengths();
+        let Node { part, cells, .. } = &mut self.node;
+        refill(&mut part.contributions, contributions);
+        refill(&mut part.counts, counts);
+        cells.clear(shape.streams(), shape.sums);
+        refill(&mut self.node.seen, seen);
+        refill(&mut self.node.densities, densities);
+        self.tails.resize(tails, Tail::default());
+        let thresholds = thresholds.iter().chain(std::iter::repeat(&0.0));
+        self.tails.iter_mut().zip(thresholds).for_each(|(tail, above)| tail.begin(*above));
+    }
+
     /// Both together; `self` comes first.
     pub(super) fn merge(mut self, right: &Self) -> Self {
         self.node = self.node.merge(&right.node);
         merge_tails(&mut self.tails, &right.tails);
         self
     }
+}
+
+/// So many defaults, in the memory that is there.
+fn refill<T: Clone + Default>(list: &mut Vec<T>, length: usize) {
+    list.clear();
+    list.resize(length, T::default());
 }
 
 fn merge_tails(left: &mut Vec<Tail>, right: &[Tail]) {
@@ -151,12 +192,12 @@ fn merge_tails(left: &mut Vec<Tail>, right: &[Tail]) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Leaf, Round};
+    use super::{Leaf, Round, Spare};
     use crate::estimator::Seen;
     use crate::part::{Counts, Part};
     use crate::run::schedule::Span;
     use crate::run::shape::Shape;
-    use crate::run::tally::Cells;
+    use crate::run::tally::{Cells, Pending};
     use crate::run::tree::{Node, Tree};
     use crate::tail::Tail;
 
@@ -181,7 +222,8 @@ mod tests {
         let mut round = Round::default();
         for k in chunks {
             let range = span.chunk(k);
-            round.push(&span, k, leaf(range.end - range.start, (k + 1) as f64));
+            let leaf = leaf(range.end - range.start, (k + 1) as f64);
+            round.push(&span, k, leaf, &mut Spare::default());
         }
         (span, round)
     }
@@ -242,8 +284,8 @@ mod tests {
             assert_eq!(check(change), Err(text.into()));
         };
         let gap = "chunks that do not follow one another";
-        says(|round| round.tree.push(0, 8, leaf(64, 1.0).node), gap);
-        says(|round| round.tree.push(0, u64::MAX, leaf(64, 1.0).node), gap);
+        says(|round| round.tree.push(0, 8, leaf(64, 1.0).node, &mut Vec::new()), gap);
+        says(|round| round.tree.push(0, u64::MAX, leaf(64, 1.0).node, &mut Vec::new()), gap);
         says(|round| round.cut.as_mut().unwrap().index = 4, gap);
         // Chunks 0 and 1 apart, as a file can have them.
         let apart = |round: &mut Round| {
@@ -256,7 +298,7 @@ mod tests {
         // More chunks than the first round has.
         let more = |round: &mut Round| {
             round.cut = None;
-            (3..17).for_each(|k| round.tree.push(0, k, leaf(64, 1.0).node));
+            (3..17).for_each(|k| round.tree.push(0, k, leaf(64, 1.0).node, &mut Vec::new()));
         };
         says(more, gap);
         let samples = |start, end, index| format!("samples {start} to {end} as chunk {index}");
@@ -284,8 +326,8 @@ mod tests {
         says(without, "tails without chunks");
         let fewer = |round: &mut Round| {
             round.tree = Tree::default();
-            round.tree.push(1, 0, leaf(127, 1.0).node);
-            round.tree.push(0, 2, leaf(64, 1.0).node);
+            round.tree.push(1, 0, leaf(127, 1.0).node, &mut Vec::new());
+            round.tree.push(0, 2, leaf(64, 1.0).node, &mut Vec::new());
         };
         says(fewer, "127 samples where there should be 128");
     }
@@ -310,11 +352,40 @@ mod tests {
         for k in 2..16 {
             let mut many = leaf(64, 1.0);
             many.tails[0].push(&[7.0; 40], 7.0);
-            round.push(&span, k, many);
+            round.push(&span, k, many, &mut Spare::default());
         }
         round.thresholds(&mut thresholds);
         assert_eq!(thresholds, [7.0, -1.0]);
         assert_eq!(round.total().unwrap().tails[0].magnitudes().len(), 257);
+    }
+
+    /// A chunk finds nothing of the one before, of which it has the memory.
+    #[test]
+    fn cleared_leaves_are_like_new() {
+        let shape = Shape { techniques: 2, replicates: 3, components: 2, sums: 5 };
+        let cleared = |mut leaf: Leaf, thresholds: &[f64]| {
+            leaf.clear(shape, thresholds);
+            leaf
+        };
+        let fresh = cleared(Leaf::default(), &[]);
+        let mut part = Part::empty(2, 3, 2);
+        part.contributions[11].extreme.y = 1.0;
+        part.counts[1].zero = 1;
+        let seen = vec![Seen { samples: 1, contributions: 1 }; 2];
+        let mut cells = Cells::new(6, 5);
+        cells.sample(5, &mut Pending::default(), |tally| {
+            tally.add(4, 1.0);
+            tally.add(5, 1.0);
+        });
+        let node = Node { part, seen, densities: vec![[1.0; 2]; 4], cells };
+        let mut used = Leaf { node, tails: fresh.tails.clone() };
+        used.tails.iter_mut().for_each(|tail| tail.push(&[1.0], 1.0));
+        assert_eq!(cleared(used.clone(), &[]), fresh);
+        // Or of one of another shape.
+        assert_eq!(cleared(leaf(3, 1.0), &[]), fresh);
+        let thresholds = [1.0, 2.0, 3.0, 4.0];
+        let tails = cleared(used, &thresholds).tails;
+        assert_eq!(tails.iter().map(Tail::threshold).collect::<Vec<_>>(), thresholds);
     }
 
     #[test]

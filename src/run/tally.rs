@@ -128,6 +128,13 @@ impl Cells {
         Self { sums, rows: vec![Cell::default(); streams * sums], misplaced: 0 }
     }
 
+    /// Forgets all amounts.
+    pub(super) fn clear(&mut self, streams: usize, sums: usize) {
+        self.rows.clear();
+        self.rows.resize(streams * sums, Cell::default());
+        (self.sums, self.misplaced) = (sums, 0);
+    }
+
     /// Adds what `observe` says of one sample of stream `i`, a replicate of a technique.
     pub(super) fn sample(
         &mut self,
@@ -282,16 +289,14 @@ mod tests {
             let (left, right) = AMOUNTS.split_at(cut);
             agree(cell(left).merge(cell(right)), plain(&AMOUNTS));
         }
-        let mut with_zeros = AMOUNTS.to_vec();
-        with_zeros.resize(20, 0.0);
+        let with_zeros = [&AMOUNTS[..], &[0.0; 13]].concat();
         agree(cell(&AMOUNTS).of_all(20), plain(&with_zeros));
         agree(cell(&AMOUNTS).of_all(7), plain(&AMOUNTS));
     }
 
     /// Two sums of two techniques, three samples of each.
     fn cells() -> Cells {
-        let mut cells = Cells::new(2, 2);
-        let mut pending = Pending::default();
+        let (mut cells, mut pending) = (Cells::new(2, 2), Pending::default());
         let samples: [(usize, &[(usize, f64)]); 6] = [
             (0, &[(0, 1.0), (1, 5.0)]),
             (0, &[(1, 2.0), (0, 0.5), (1, 4.0), (0, 0.25)]), // 0.75 and 6, in four calls

@@ -7,7 +7,7 @@ use crate::estimator::Seen;
 use crate::part::Part;
 
 /// What one chunk came to, or several that lie side by side.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Node {
     pub(super) part: Part,
     /// See [`Evidence`](crate::estimator::Evidence).
@@ -44,14 +44,15 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Adds a node that lies behind all others.
-    pub(super) fn push(&mut self, level: u32, index: u64, node: Node) {
+    /// Adds a node that lies behind all others. Nodes that are merged into others go to `spent`.
+    pub(super) fn push(&mut self, level: u32, index: u64, node: Node, spent: &mut Vec<Node>) {
         let (mut level, mut index, mut node) = (level, index, node);
         while let Some((_, _, left)) = self
             .nodes
             .pop_if(|(last, left, _)| *last == level && index % 2 == 1 && *left == index - 1)
         {
-            node = left.merge(&node);
+            let merged = left.merge(&node);
+            spent.push(std::mem::replace(&mut node, merged));
             (level, index) = (level + 1, index / 2);
         }
         self.nodes.push((level, index, node));
@@ -60,7 +61,7 @@ impl Tree {
     /// Adds the nodes of a tree whose chunks lie behind all of these.
     pub(super) fn append(&mut self, right: Self) {
         for (level, index, node) in right.nodes {
-            self.push(level, index, node);
+            self.push(level, index, node, &mut Vec::new());
         }
     }
 
@@ -130,7 +131,7 @@ mod tests {
 
     fn tree(chunks: std::ops::Range<u64>) -> Tree {
         let mut tree = Tree::default();
-        chunks.for_each(|k| tree.push(0, k, node(k)));
+        chunks.for_each(|k| tree.push(0, k, node(k), &mut Vec::new()));
         tree
     }
 
@@ -147,6 +148,15 @@ mod tests {
                     assert_eq!(parts, whole, "{a} {b} {n}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn all_nodes_that_are_merged_are_handed_on() {
+        for n in 1..=17 {
+            let (mut tree, mut spent) = (Tree::default(), Vec::new());
+            (0..n).for_each(|k| tree.push(0, k, node(k), &mut spent));
+            assert_eq!((tree.nodes.len() + spent.len()) as u64, n);
         }
     }
 
@@ -175,13 +185,13 @@ mod tests {
         let tree = tree(1..3);
         assert_eq!(tree.nodes, [(0, 1, one), (0, 2, two)]);
         let mut apart = Tree::default();
-        apart.push(0, 1, node(1));
-        apart.push(0, 3, node(3));
+        apart.push(0, 1, node(1), &mut Vec::new());
+        apart.push(0, 3, node(3), &mut Vec::new());
         assert_eq!(apart.nodes.len(), 2);
         // Nor are two of different levels.
         let mut levels = Tree::default();
-        levels.push(1, 0, node(0));
-        levels.push(0, 1, node(1));
+        levels.push(1, 0, node(0), &mut Vec::new());
+        levels.push(0, 1, node(1), &mut Vec::new());
         assert_eq!(levels.nodes.len(), 2);
     }
 

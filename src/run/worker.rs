@@ -1,7 +1,7 @@
 //! The chunks of a round, drawn by one thread or by several.
 
 use std::any::Any;
-use std::collections::BTreeMap;
+use std::collections::VecDeque;
 use std::fmt::Debug;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -13,11 +13,12 @@ use std::time::Instant;
 use super::error::RunFault;
 use super::progress::Cancel;
 use super::schedule::Span;
-use super::state::{Leaf, Round};
-use super::tally::{Cells, Pending, Tally};
+use super::shape::Shape;
+use super::state::{Leaf, Round, Spare};
+use super::tally::{Pending, Tally};
 use super::threads::Threads;
 use super::tree::Node;
-use crate::estimator::{Buffers, Draw, Evidence, Sample};
+use crate::estimator::{Buffers, Draw, Evidence, Sample, Sums};
 use crate::integrand::{Integrand, Value};
 use crate::points::PointSource;
 
@@ -127,14 +128,30 @@ pub(super) enum Outcome {
     Failed(RunFault),
 }
 
+/// How much of a chunk was drawn.
+enum Drawn {
+    All,
+    /// The brake was applied before the last sample.
+    Braked,
+}
+
 /// What the threads share.
 struct Shared<'a> {
     round: &'a mut Round,
     /// The chunk that the round needs next.
     next: u64,
-    /// Chunks that were done before it.
-    early: BTreeMap<u64, Leaf>,
+    /// From that one on, those that are done before it.
+    early: VecDeque<Option<Leaf>>,
+    spare: Spare,
     failure: Option<(u64, RunFault)>,
+}
+
+/// What a thread uses again from chunk to chunk.
+struct Workspace<P, V> {
+    /// Where the tails of a chunk begin.
+    thresholds: Vec<f64>,
+    buffers: Buffers<P, V>,
+    pending: Pending,
 }
 
 impl<P, F, E, S, O> Job<'_, P, F, E, S, O>
@@ -150,9 +167,14 @@ where
         self.points.replicates().max(1)
     }
 
-    /// The replicates of all techniques.
-    pub(super) fn streams(&self) -> usize {
-        self.estimator.frame().shares.len().saturating_mul(self.replicates())
+    /// What its samples come to.
+    pub(super) fn shape(&self) -> Shape {
+        Shape {
+            techniques: self.estimator.frame().shares.len(),
+            replicates: self.replicates(),
+            components: F::Value::COMPONENTS,
+            sums: self.observer.sums(),
+        }
     }
 
     /// Draws the chunks `todo` of a round, which follow those that are there. `tick` is called
@@ -173,28 +195,39 @@ where
         let next = AtomicU64::new(todo.start);
         // Chunks from here on are of no use: an earlier one has failed.
         let limit = AtomicU64::new(end);
-        let shared = Shared { round, next: todo.start, early: BTreeMap::new(), failure: None };
-        let shared = Mutex::new(shared);
+        let shared = Mutex::new(Shared {
+            round,
+            next: todo.start,
+            early: VecDeque::new(),
+            spare: Spare::default(),
+            failure: None,
+        });
+        let shape = self.shape();
         let work = |tick: &mut Tick<'_>| {
-            let tails = self.estimator.frame().shares.len() * F::Value::COMPONENTS;
-            let mut thresholds = vec![0.0; tails];
-            let mut buffers = Buffers::new();
+            let mut workspace = Workspace {
+                thresholds: vec![0.0; shape.lengths().tails],
+                buffers: Buffers::new(),
+                pending: Pending::default(),
+            };
+            let mut leaf = Leaf::default();
             loop {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 if index >= limit.load(Ordering::Relaxed) || brake.applies() {
                     return;
                 }
-                let drawn = self.chunk(span.chunk(index), &thresholds, &mut buffers, brake);
+                leaf.clear(shape, &workspace.thresholds);
+                let drawn = self.chunk(span.chunk(index), &mut leaf, &mut workspace, brake);
                 let mut guard = lock(&shared);
                 match drawn {
-                    Ok(None) => return,
-                    Ok(Some(leaf)) => guard.push(span, index, leaf),
+                    Ok(Drawn::All) => guard.push(span, index, leaf),
+                    Ok(Drawn::Braked) => return,
                     Err(fault) => {
                         limit.fetch_min(index, Ordering::Relaxed);
-                        guard.fail(index, fault);
+                        return guard.fail(index, fault);
                     }
                 }
-                guard.round.thresholds(&mut thresholds);
+                leaf = guard.spare.leaf();
+                guard.round.thresholds(&mut workspace.thresholds);
                 drop(guard);
                 tick(&|| lock(&shared).round.clone());
             }
@@ -206,8 +239,9 @@ where
                 resume_unwind(panic);
             }
         });
-        let Shared { next, failure, .. } =
+        let Shared { round, next, failure, .. } =
             shared.into_inner().unwrap_or_else(PoisonError::into_inner);
+        round.shrink();
         match failure {
             Some((_, fault)) => Outcome::Failed(fault),
             None if next == end => Outcome::Done,
@@ -215,47 +249,46 @@ where
         }
     }
 
-    /// What the samples of a range come to; `None` if the brake was applied before they were all
-    /// drawn.
+    /// Draws the samples of a range, into a leaf that is empty.
     fn chunk(
         &self,
         range: Range<u64>,
-        thresholds: &[f64],
-        buffers: &mut Buffers<P, F::Value>,
+        leaf: &mut Leaf,
+        workspace: &mut Workspace<P, F::Value>,
         brake: &Brake<'_>,
-    ) -> Result<Option<Leaf>, RunFault> {
+    ) -> Result<Drawn, RunFault> {
         let Range { start, end } = range;
         let f = Braked { f: self.f, brake, skipped: AtomicBool::new(false) };
-        let techniques = self.estimator.frame().shares.len();
-        let mut cells = Cells::new(self.streams(), self.observer.sums());
+        let Leaf { node: Node { part, seen, densities, cells }, tails } = leaf;
+        let Workspace { buffers, pending, .. } = workspace;
+        let sums = Sums { part, evidence: Some(Evidence { tails, seen, densities }) };
         let drawn = caught(|| {
-            let evidence = Some(Evidence::new(techniques, thresholds));
             if self.observer.sums() == 0 {
-                return self.estimator.draw(&f, self.points, range, evidence, buffers, |_| ());
+                return self.estimator.draw(&f, self.points, range, buffers, sums, |_| ());
             }
-            let mut pending = Pending::default();
-            self.estimator.draw(&f, self.points, range, evidence, buffers, |sample| {
+            self.estimator.draw(&f, self.points, range, buffers, sums, |sample| {
                 let stream = sample.technique() * self.replicates() + sample.replicate();
-                cells.sample(stream, &mut pending, |tally| {
-                    self.observer.observe(sample, tally);
-                });
+                cells.sample(stream, pending, |tally| self.observer.observe(sample, tally));
             })
         });
         if f.skipped.into_inner() {
-            return Ok(None);
+            return Ok(Drawn::Braked);
         }
-        let (part, evidence) =
-            drawn.map_err(|message| RunFault::Panic { first: start, last: end - 1, message })??;
-        let Evidence { tails, seen, densities } = evidence.unwrap_or_default();
-        Ok(Some(Leaf { node: Node { part, seen, densities, cells }, tails }))
+        drawn.map_err(|message| RunFault::Panic { first: start, last: end - 1, message })??;
+        Ok(Drawn::All)
     }
 }
 
 impl Shared<'_> {
     fn push(&mut self, span: &Span, index: u64, leaf: Leaf) {
-        self.early.insert(index, leaf);
-        while let Some(leaf) = self.early.remove(&self.next) {
-            self.round.push(span, self.next, leaf);
+        let place = usize::try_from(index - self.next).unwrap_or(usize::MAX);
+        self.early.resize_with(self.early.len().max(place.saturating_add(1)), || None);
+        if let Some(early) = self.early.get_mut(place) {
+            *early = Some(leaf);
+        }
+        while let Some(leaf) = self.early.front_mut().and_then(Option::take) {
+            self.early.pop_front();
+            self.round.push(span, self.next, leaf, &mut self.spare);
             self.next += 1;
         }
     }
