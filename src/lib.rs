@@ -43,6 +43,8 @@
 //! - [`check`]: does a technique keep its promises? A report on every law.
 //! - `lighting`: an application, the radiance that leaves a surface.
 //!
+//! What it costs and buys is in `measured`, which is documentation only.
+//!
 //! # Features
 //!
 //! - `lighting` (default): the module `lighting`; brings in `glam`.
@@ -60,6 +62,8 @@ pub mod integrand;
 mod lanes;
 #[cfg(feature = "lighting")]
 pub mod lighting;
+#[cfg(doc)]
+pub mod measured;
 mod moments;
 mod part;
 pub mod points;
