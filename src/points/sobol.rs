@@ -7,9 +7,9 @@ use crate::error::ArgumentError;
 
 /// Sobol' points under Owen's scrambling: quasi-random points with an error bar.
 ///
-/// Where an integrand is smooth in the canonical numbers, the error of n points falls like
-/// n^(-3/2), not like n^(-1/2); where it is not, it is no greater than that of random numbers by
-/// more than a small factor. Every technique has points of its own, in its own dimensions, and they
+/// Where an integrand is smooth in the canonical numbers, the error of n points falls nearly like
+/// n^(-3/2), not like n^(-1/2); whatever it is, the variance is at most that of random numbers times a
+/// constant of the dimension, and rarely above it. Every technique has points of its own, in its own dimensions, and they
 /// are divided in turn among R replicates, 16 by default, which are scrambled independently of each
 /// other. The standard error is that of the mean of the R replicates.
 ///

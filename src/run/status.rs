@@ -117,7 +117,7 @@ impl Display for Doubt {
                 write!(f, "technique {technique} has drawn no sample: its part is missing")
             }
             Self::Samples { technique, samples } => {
-                write!(f, "technique {technique} has drawn {samples} sample: no error is known")
+                write!(f, "technique {technique} has drawn only {samples}: no error is known")
             }
             Self::FewContributions { technique: None, contributions } => {
                 write!(f, "only {contributions} contributions are not 0")
