@@ -1,5 +1,7 @@
 //! Scrambled Sobol' points.
 
+use wide::u64x4;
+
 use super::directions::{self, Columns};
 use super::hash::{hash, word};
 use super::{PointSource, PointsExhausted};
@@ -183,8 +185,10 @@ impl Coordinate {
         while row < rows {
             let mut x = [0; TILE.1];
             for eight in x.as_chunks_mut::<LANES>().0 {
-                for (x, lane) in eight.iter_mut().zip(&self.lanes) {
-                    *x = base ^ lane;
+                // The compiler would take them one by one.
+                let (fours, base_lanes) = (eight.as_chunks_mut::<4>().0, u64x4::splat(base));
+                for (x, lanes) in fours.iter_mut().zip(self.lanes.as_chunks::<4>().0) {
+                    *x = (u64x4::new(*lanes) ^ base_lanes).to_array();
                 }
                 group += 1;
                 // From the last of the eight to the next, one digit of the code changes.
@@ -214,7 +218,17 @@ fn scrambled(mut x: u64) -> f64 {
         // (x >> a) & (x >> b), with a copy less.
         x ^= (x & (x >> (b - a))) >> a;
     }
-    (x >> 11) as f64 * (f64::EPSILON / 2.0)
+    unit(x >> 11)
+}
+
+/// k 2^-53 for k < 2^53, in operations that vectorise: as the mantissas of a number in [1, 2), with
+/// the upper 26 bits, and of one in [1/2, 1), with the others. All sums are exact.
+#[inline]
+fn unit(k: u64) -> f64 {
+    const LOWER: u64 = (1 << 27) - 1;
+    let upper = f64::from_bits(1_f64.to_bits() | (k & !LOWER) >> 1);
+    let lower = f64::from_bits(0.5_f64.to_bits() | k & LOWER);
+    (upper - 1.5) + lower
 }
 
 /// The columns of the digits of `gray`, added.
@@ -234,7 +248,7 @@ fn gray(index: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Coordinate, directions, gray, scrambled, sum};
+    use super::{Coordinate, directions, gray, scrambled, sum, unit};
 
     /// The order and the columns are those of the plain recurrence, in which point n + 1 differs from
     /// point n by one column.
@@ -256,6 +270,14 @@ mod tests {
                 coordinate.fill(first as u64, 1, &mut out);
                 assert_eq!(out, plain[first..first + 100]);
             }
+        }
+    }
+
+    #[test]
+    fn all_53_digits_count() {
+        let most = (1_u64 << 53) - 1;
+        for k in [0, 1, 2, 3, (1 << 27) - 1, 1 << 27, (1 << 52) - 1, 1 << 52, most - 1, most] {
+            assert_eq!(unit(k), k as f64 / (most + 1) as f64, "{k}");
         }
     }
 
