@@ -31,7 +31,8 @@ pub trait Integrand<P> {
     /// f(x).
     fn eval(&self, x: &P) -> Self::Value;
 
-    /// f at every point of `xs`, into `out` of the same length.
+    /// f at every point of `xs`, into every place of `out`, which has the same length and may hold
+    /// the values of other points.
     fn eval_batch(&self, xs: &[P], out: &mut [Self::Value]) {
         for (f, x) in out.iter_mut().zip(xs) {
             *f = self.eval(x);
@@ -55,7 +56,7 @@ pub struct Batch<F, V = f64> {
 }
 
 /// An integrand from a closure `|xs: &[P], ys: &mut [V]|` that writes f(x) of each point of `xs` to
-/// its place in `ys`, which is as long.
+/// its place in `ys`, which is as long and holds zeros.
 ///
 /// It is called with up to 512 points, so that it can use vector instructions, or share what its
 /// points have in common. What f is at a point must not depend on the others.
@@ -89,6 +90,8 @@ impl<P, V: Value, F: Fn(&[P], &mut [V])> Integrand<P> for Batch<F, V> {
     }
 
     fn eval_batch(&self, xs: &[P], out: &mut [V]) {
+        // A place that is left out would keep the value of some earlier point.
+        out.fill(V::zero());
         (self.f)(xs, out);
     }
 }
@@ -300,6 +303,16 @@ mod tests {
         let mut out = [[0.0; 2]; 3];
         f.eval_batch(&[1.0, 2.0, 3.0], &mut out);
         assert_eq!(out, [[1.0, 1.0], [2.0, 4.0], [3.0, 9.0]]);
+    }
+
+    #[test]
+    fn what_a_batch_leaves_out_is_0() {
+        let f = batch(|xs: &[f64], ys: &mut [f64]| {
+            ys.iter_mut().zip(xs).filter(|(_, x)| **x > 1.5).for_each(|(y, x)| *y = *x);
+        });
+        let mut out = [7.0; 3];
+        f.eval_batch(&[1.0, 2.0, 3.0], &mut out);
+        assert_eq!((out, f.eval(&1.0)), ([0.0, 2.0, 3.0], 0.0));
     }
 
     #[test]

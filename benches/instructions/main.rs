@@ -115,8 +115,9 @@ fn main() {
     for k in [2, 4, 16] {
         let [constant, balance] =
             ["constant", "balance"].map(|w| counts[format!("{k} ramps, {w}").as_str()]);
-        // K densities, and 15 % of them for the sum and for looking at them.
-        let most = constant + 1.15 * f64::from(k) * counts["a ramp's density"];
+        // K densities, and a quarter of them for the sum and for looking at them; of densities that
+        // cost more than these ramps, that is a smaller part.
+        let most = constant + 1.25 * f64::from(k) * counts["a ramp's density"];
         println!("{k:2} ramps, balance over constant weights       {balance:8.1} {most:8.1}");
         if balance > most {
             failures.push(format!("balance of {k} costs {balance:.1} instructions, not {most:.1}"));

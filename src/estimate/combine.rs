@@ -63,36 +63,35 @@ impl<V: Value> Estimate<V> {
 
     /// NaN for a component that there is not: a [`Value`] may ask for one against its contract.
     pub(crate) fn value_of(&self, c: usize) -> f64 {
-        self.results.get(c).map_or(f64::NAN, |result| result.0)
+        self.results.get(c).map_or(f64::NAN, |result| result.value)
     }
 
     pub(crate) fn error_of(&self, c: usize) -> Option<f64> {
-        self.results.get(c)?.1
+        self.results.get(c)?.error
     }
 
-    /// The standard error of component `c`, whose value is `value`.
-    pub(super) fn combined_error(&self, c: usize, value: f64) -> Option<f64> {
-        let techniques = self.techniques_drawn();
+    /// The largest of the techniques' parts of the standard error of component `c`, whose value is
+    /// `value`, and the sum of the squares of all over its square: no over- or underflow.
+    pub(super) fn sum_of_parts(&self, c: usize, value: f64) -> (f64, f64) {
+        let parts: Vec<f64> =
+            self.techniques_drawn().map(|i| self.error_from(i, c, value)).collect();
+        let largest = parts.iter().copied().fold(0.0, f64::max);
+        let squares = parts.iter().map(|part| (part / largest).powi(2));
+        (largest, if largest == 0.0 { 0.0 } else { squares.sum() })
+    }
+
+    /// The standard error of component `c`, given its [parts](Self::sum_of_parts).
+    pub(super) fn combined_error(&self, c: usize, (largest, squares): (f64, f64)) -> Option<f64> {
         if self.replicates > 1 {
             return self.replicate_values(c).filter(|_| self.has_signal(c))?.standard_error();
         }
         let known = match self.design {
             Design::Stratified => {
-                techniques.clone().all(|i| self.alpha(i) == 0.0 || self.count(i) > 1)
+                self.techniques_drawn().all(|i| self.alpha(i) == 0.0 || self.count(i) > 1)
             }
             Design::Pooled => self.samples() > 1,
         };
-        let signal = techniques.clone().any(|i| self.moments(i, c).largest != 0.0);
-        // Squares of the parts over the largest of them: no over- or underflow.
-        let parts = techniques.map(|i| self.error_from(i, c, value));
-        let largest = parts.clone().fold(0.0, f64::max);
-        if !(known && signal) {
-            None
-        } else if largest == 0.0 {
-            Some(0.0)
-        } else {
-            Some(largest * parts.map(|part| (part / largest).powi(2)).sum::<f64>().sqrt())
-        }
+        (known && self.has_signal(c)).then(|| largest * squares.sqrt())
     }
 
     /// Technique `i`'s part of the standard error of component `c`; the parts add as squares.
@@ -208,8 +207,8 @@ impl<V: Value> Estimate<V> {
         let mut largest: Option<Largest> = None;
         for technique in self.techniques_drawn() {
             let extreme = self.of(technique, c).extreme;
-            let samples = self.count(technique) as f64;
-            let contribution = self.alpha(technique) * extreme.y / samples;
+            let (share, samples) = self.share_of_sample(technique, extreme.index, c);
+            let contribution = share * extreme.y / samples;
             if contribution.abs() > largest.map_or(0.0, |l| l.contribution.abs()) {
                 let value = self.value_of(c);
                 largest = Some(Largest {
@@ -223,19 +222,33 @@ impl<V: Value> Estimate<V> {
         largest
     }
 
+    /// What y counts for in the value at a sample, as a share and the samples that have it.
+    fn share_of_sample(&self, i: usize, sample: u64, c: usize) -> (f64, f64) {
+        let replicates = self.replicates as u64;
+        let r = usize::try_from(sample % replicates).unwrap_or(0);
+        match (self.dealt.get(r), self.design) {
+            (None, _) => (self.alpha(i), self.count(i) as f64),
+            (Some(_), Design::Stratified) => {
+                let own = self.of_replicate(i, r, c).moments.count;
+                (self.shares[i], replicates as f64 * own as f64)
+            }
+            (Some(dealt), Design::Pooled) => (1.0, replicates as f64 * *dealt as f64),
+        }
+    }
+
     /// The part of component `c` that technique `i`'s samples contribute.
     pub(crate) fn share_of_value(&self, i: usize, c: usize) -> Option<f64> {
         let value = self.value_of(c);
-        (value != 0.0).then(|| self.alpha(i) * self.moments(i, c).mean / value)
+        let part = self.replicate_parts(i, c).map(|parts| parts.mean);
+        let part = part.unwrap_or_else(|| self.alpha(i) * self.moments(i, c).mean);
+        (value != 0.0).then(|| part / value)
     }
 
     /// The part of the variance of component `c` that technique `i` is responsible for.
     pub(crate) fn share_of_variance(&self, i: usize, c: usize) -> Option<f64> {
         self.error_of(c).filter(|error| *error > 0.0)?;
-        let part = |i| self.error_from(i, c, self.value_of(c));
         // Over the sum of all parts: that of replicates is not their error to the last digit.
-        let largest = self.techniques_drawn().map(part).fold(0.0, f64::max);
-        let sum: f64 = self.techniques_drawn().map(|i| (part(i) / largest).powi(2)).sum();
-        Some((part(i) / largest).powi(2) / sum)
+        let (largest, squares) = self.results.get(c)?.parts;
+        Some((self.error_from(i, c, self.value_of(c)) / largest).powi(2) / squares)
     }
 }

@@ -32,9 +32,21 @@ pub struct Estimate<V = f64> {
     all: Counts,
     /// R: the contributions of a technique are those of its replicates, side by side.
     replicates: usize,
-    /// Value and standard error of each component.
-    results: Vec<(f64, Option<f64>)>,
+    /// Of the samples of all techniques, those of each replicate; empty without replicates, and
+    /// where one has no value, as it lacks samples of a technique.
+    dealt: Vec<u64>,
+    results: Vec<Component>,
     value: PhantomData<V>,
+}
+
+/// What one component came to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Component {
+    value: f64,
+    error: Option<f64>,
+    /// The largest of the techniques' parts of the error, and the sum of the squares of all over
+    /// its square.
+    parts: (f64, f64),
 }
 
 /// What the numbers of samples were.
@@ -81,11 +93,14 @@ impl<V: Value> Estimate<V> {
     pub(crate) fn new(design: Design, shares: &[f64], part: Part) -> Self {
         let shares = shares.to_vec();
         let (all, replicates) = (part.all(), part.replicates(V::COMPONENTS));
-        let (results, value) = (Vec::new(), PhantomData);
-        let mut estimate = Self { design, shares, part, all, replicates, results, value };
+        let (dealt, results, value) = (Vec::new(), Vec::new(), PhantomData);
+        let mut estimate = Self { design, shares, part, all, replicates, dealt, results, value };
+        estimate.dealt = estimate.samples_of_replicates().unwrap_or_default();
         for c in 0..V::COMPONENTS {
             let value = estimate.mean(c);
-            estimate.results.push((value, estimate.combined_error(c, value)));
+            let parts = estimate.sum_of_parts(c, value);
+            let error = estimate.combined_error(c, parts);
+            estimate.results.push(Component { value, error, parts });
         }
         estimate
     }

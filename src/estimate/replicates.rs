@@ -18,31 +18,37 @@ impl<V: Value> Estimate<V> {
         self.moments_of_replicates(|r| self.part_of_replicate(i, r, c))
     }
 
+    /// The samples of each replicate; `None` without replicates, and where one has no value.
+    pub(super) fn samples_of_replicates(&self) -> Option<Vec<u64>> {
+        let count = |i, r| self.of_replicate(i, r, 0).moments.count;
+        let total = |r| {
+            let counts = || self.techniques_drawn().map(move |i| count(i, r));
+            let all: u64 = counts().sum();
+            let has_value = match self.design {
+                Design::Stratified => {
+                    self.shares.iter().zip(counts()).all(|(share, n)| *share == 0.0 || n > 0)
+                }
+                Design::Pooled => all > 0,
+            };
+            has_value.then_some(all)
+        };
+        (self.replicates > 1).then(|| (0..self.replicates).map(total).collect()).flatten()
+    }
+
     fn moments_of_replicates(&self, value: impl Fn(usize) -> f64) -> Option<Moments> {
-        let values: Vec<f64> = (0..self.replicates).map(value).collect();
-        (self.replicates > 1 && values.iter().all(|v| !v.is_nan()))
-            .then(|| Moments::of_block(&values))
+        let values: Vec<f64> = (0..self.dealt.len()).map(value).collect();
+        (!values.is_empty()).then(|| Moments::of_block(&values))
     }
 
     /// α_i times the mean over the samples of a replicate, with α_i the part that the technique has
-    /// of these if that is random. NaN without samples.
+    /// of these if that is random.
     fn part_of_replicate(&self, i: usize, r: usize, c: usize) -> f64 {
-        let of = |i| self.of_replicate(i, r, c).moments;
-        let Moments { count, mean, .. } = of(i);
-        let alpha = match self.design {
-            Design::Stratified => self.shares[i],
-            Design::Pooled => {
-                let all: u64 = self.techniques_drawn().map(|i| of(i).count).sum();
-                if all == 0 {
-                    return f64::NAN;
-                }
-                count as f64 / all as f64
-            }
+        let Moments { count, mean, .. } = self.of_replicate(i, r, c).moments;
+        let alpha = match (self.design, self.dealt.get(r)) {
+            (Design::Pooled, Some(dealt)) => count as f64 / *dealt as f64,
+            _ => self.shares[i],
         };
-        match (alpha == 0.0, count) {
-            (true, _) => 0.0,
-            (false, 0) => f64::NAN,
-            (false, _) => alpha * mean,
-        }
+        // Without a sample, there is no mean.
+        if alpha == 0.0 { 0.0 } else { alpha * mean }
     }
 }

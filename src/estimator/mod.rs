@@ -20,7 +20,7 @@ use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::Estimate;
 use crate::integrand::{Integrand, Value};
 use crate::part::Part;
-use crate::points::{PointSource, Random};
+use crate::points::{PointSource, Random, replicates};
 use crate::technique::Technique;
 
 /// Estimates integrals: [`MultiSample`] or [`OneSample`].
@@ -48,7 +48,7 @@ pub trait Estimator<P: Debug>: Draw<P> {
         I: FnMut(&Sample<'_, P, F::Value>),
     {
         let frame = self.frame();
-        let replicates = points.replicates().max(1);
+        let replicates = replicates(points);
         let mut part = Part::empty(frame.shares.len(), replicates, F::Value::COMPONENTS);
         let sums = Sums { part: &mut part, evidence: None };
         self.draw(f, points, 0..frame.samples, &mut Buffers::new(), sums, inspect)?;

@@ -10,7 +10,7 @@ use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::Design;
 use crate::integrand::{Integrand, Value};
 use crate::part::Part;
-use crate::points::PointSource;
+use crate::points::{PointSource, replicates};
 use crate::technique::Technique;
 use crate::weighting::{Balance, Weighting};
 
@@ -145,7 +145,7 @@ impl<P: Debug, W: Weighting> Draw<P> for MultiSample<'_, P, W> {
         I: FnMut(&Sample<'_, P, F::Value>),
     {
         let own = |i: usize| 0..if self.alpha[i] > 0.0 { each } else { 0 };
-        let replicates = points.replicates().max(1);
+        let replicates = replicates(points);
         let mut part = Part::empty(self.techniques.len(), replicates, F::Value::COMPONENTS);
         let sums = Sums { part: &mut part, evidence: None };
         self.draw_each(f, points, own, &mut Buffers::new(), sums, inspect)
@@ -168,7 +168,7 @@ impl<P: Debug, W: Weighting> MultiSample<'_, P, W> {
         S: PointSource + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
-        let replicates = points.replicates().max(1);
+        let replicates = replicates(points);
         let samples = (0..self.techniques.len()).map(&own).map(|range| range.end - range.start);
         let most = samples.max().unwrap_or(0);
         let kernel = Kernel {

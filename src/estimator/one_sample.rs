@@ -11,7 +11,7 @@ use crate::error::{ArgumentError, EstimateError};
 use crate::estimate::Design;
 use crate::integrand::{Integrand, Value};
 use crate::part::Part;
-use crate::points::PointSource;
+use crate::points::{PointSource, replicates};
 use crate::technique::Technique;
 use crate::weighting::{Balance, Weighting};
 
@@ -153,7 +153,7 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
         S: PointSource + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
-        let replicates = points.replicates().max(1);
+        let replicates = replicates(points);
         let kernel = Kernel {
             techniques: &self.techniques,
             alpha: &self.probabilities,
@@ -205,7 +205,7 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
         I: FnMut(&Sample<'_, P, F::Value>),
     {
         let samples = each * self.techniques.len() as u64;
-        let replicates = points.replicates().max(1);
+        let replicates = replicates(points);
         let mut part = Part::empty(self.techniques.len(), replicates, F::Value::COMPONENTS);
         let sums = Sums { part: &mut part, evidence: None };
         self.draw(f, points, 0..samples, &mut Buffers::new(), sums, inspect)

@@ -43,10 +43,19 @@ pub trait PointSource: Sync + Debug {
     ) -> Result<(), PointsExhausted>;
 
     /// R, how many independent streams the samples of a technique are dealt to; 1 where all samples
-    /// are independent, which is the default.
+    /// are independent, which is the default. It must not change, and be at least 1 and at most
+    /// 4096; beyond, estimators take the nearer of these for R.
     fn replicates(&self) -> usize {
         1
     }
+}
+
+/// The most replicates: every one of them has sums of its own for each technique.
+const MOST_REPLICATES: usize = 4096;
+
+/// R, within its bounds.
+pub(crate) fn replicates(points: &(impl PointSource + ?Sized)) -> usize {
+    points.replicates().clamp(1, MOST_REPLICATES)
 }
 
 /// A point source that has fewer samples than an estimator asked for.

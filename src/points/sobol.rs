@@ -4,7 +4,7 @@ use wide::u64x4;
 
 use super::directions::{self, Columns};
 use super::hash::{hash, word};
-use super::{PointSource, PointsExhausted};
+use super::{MOST_REPLICATES, PointSource, PointsExhausted};
 use crate::error::ArgumentError;
 
 /// Sobol' points under Owen's scrambling: quasi-random points with an error bar.
@@ -87,7 +87,7 @@ impl Sobol {
     ///
     /// There must be at least 2 and at most 4096.
     pub fn with_replicates(self, replicates: usize) -> Result<Self, ArgumentError> {
-        if (2..=4096).contains(&replicates) {
+        if (2..=MOST_REPLICATES).contains(&replicates) {
             Ok(Self { replicates, ..self })
         } else {
             let rule = "it must be at least 2 and at most 4096";

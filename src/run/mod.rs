@@ -51,7 +51,8 @@
 //!
 //! - κ, the skewness of the value, [`Estimate::kappa`](crate::Estimate::kappa), greater than
 //!   0.07 (1 - 2 k̂): too few samples for such contributions. (Of a confirming round, 0.1. From
-//!   replicates, 3.5 standard deviations of what it is if they are normal: 0.49 for 16 of them.)
+//!   replicates, 3.5 standard deviations of what it is if they are normal: 0.49 for 16 of them,
+//!   or 0.07 if that is more.)
 //! - k̂, the shape of the tail, [`Report::k_hat`], at 1/2 or above: the variance may be infinite. (Of a
 //!   confirming round, above 0.7. From replicates, above 0.12: the end of a tail stays random.)
 //! - Fewer than 30 contributions that are not 0, of a technique that matters or of all.
@@ -62,6 +63,7 @@
 //! A region that no technique reaches, and a peak that no sample has met, cannot be seen.
 #![doc = include_str!("coverage.md")]
 
+mod cell;
 mod checkpoint;
 mod display;
 mod driver;
@@ -290,7 +292,8 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     ///
-    /// As [`execute`](Run::execute); and `sums` may be at most 2²⁴ over the number of techniques.
+    /// As [`execute`](Run::execute); and `sums` may be at most 2²⁴ over the number of techniques,
+    /// times that of replicates.
     pub fn tally<P, F, E, S, O>(
         self,
         estimator: &E,

@@ -64,6 +64,14 @@ pub enum Doubt {
         /// How many samples it has drawn.
         samples: u64,
     },
+    /// There are fewer samples than replicates to divide them among, so that no error is known.
+    #[non_exhaustive]
+    EmptyReplicates {
+        /// How many samples were drawn.
+        samples: u64,
+        /// How many replicates there are.
+        replicates: usize,
+    },
     /// Few contributions are not 0: of a technique that matters, or of all together.
     #[non_exhaustive]
     FewContributions {
@@ -116,9 +124,18 @@ impl Display for Doubt {
             Self::Samples { technique, samples: 0 } => {
                 write!(f, "technique {technique} has drawn no sample: its part is missing")
             }
-            Self::Samples { technique, samples } => {
-                write!(f, "technique {technique} has drawn only {samples}: no error is known")
+            Self::Samples { technique, samples: 1 } => {
+                write!(f, "technique {technique} has drawn 1 sample: no error is known")
             }
+            Self::Samples { technique, samples } => write!(
+                f,
+                "technique {technique} has drawn {samples} samples, fewer than there are \
+                 replicates: no error is known"
+            ),
+            Self::EmptyReplicates { samples, replicates } => write!(
+                f,
+                "there are {replicates} replicates, but {samples} samples: no error is known"
+            ),
             Self::FewContributions { technique: None, contributions } => {
                 write!(f, "only {contributions} contributions are not 0")
             }

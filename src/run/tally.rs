@@ -4,6 +4,7 @@ use std::fmt::{self, Display};
 
 use serde::{Deserialize, Serialize};
 
+use super::cell::Cell;
 use crate::estimate::with_error;
 use crate::estimator::{Design, Frame};
 use crate::moments::Moments;
@@ -71,46 +72,6 @@ impl Pending {
                 self.amounts.push((k, amount));
             }
         }
-    }
-}
-
-/// Count, mean and squared deviations of the amounts that were added.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-struct Cell {
-    count: u64,
-    mean: f64,
-    m2: f64,
-}
-
-impl Cell {
-    /// B. P. Welford, *Note on a Method for Calculating Corrected Sums of Squares and Products*,
-    /// 1962, doi:10.1080/00401706.1962.10490022.
-    fn push(&mut self, amount: f64) {
-        self.count += 1;
-        let delta = amount - self.mean;
-        self.mean += delta / self.count as f64;
-        self.m2 += delta * (amount - self.mean);
-    }
-
-    fn merge(self, other: Self) -> Self {
-        if self.count == 0 {
-            return other;
-        }
-        if other.count == 0 {
-            return self;
-        }
-        let (a, b) = (self.count as f64, other.count as f64);
-        let delta = other.mean - self.mean;
-        Self {
-            count: self.count + other.count,
-            mean: self.mean + delta * (b / (a + b)),
-            m2: self.m2 + other.m2 + delta * delta * (a * b / (a + b)),
-        }
-    }
-
-    /// With the samples that added nothing, `n` in all.
-    fn of_all(self, n: u64) -> Self {
-        self.merge(Self { count: n.saturating_sub(self.count), mean: 0.0, m2: 0.0 })
     }
 }
 
@@ -188,10 +149,34 @@ impl Cells {
                 .step_by(components.max(1))
                 .map(|contributions| contributions.moments.count)
                 .collect();
-            return (0..self.sums)
-                .map(|k| self.tallied_in_replicates(frame, k, replicates, &samples))
-                .collect();
+            let one = |k| self.tallied_in_replicates(frame, k, replicates, &samples);
+            let mut sums: Vec<Tallied> = (0..self.sums).map(one).collect();
+            if sums.iter().any(|sum| !sum.value.is_finite()) {
+                // Some replicate lacks samples: a value from all, but no error, as of the estimate.
+                let all = self.together(replicates).tallied_from_samples(frame, part);
+                for (sum, all) in sums.iter_mut().zip(all).filter(|(sum, _)| !sum.value.is_finite())
+                {
+                    *sum = Tallied { standard_error: None, ..all };
+                }
+            }
+            return sums;
         }
+        self.tallied_from_samples(frame, part)
+    }
+
+    /// A row for each technique, of all its replicates.
+    fn together(&self, replicates: usize) -> Self {
+        let mut all = Self { sums: self.sums, rows: Vec::new(), misplaced: self.misplaced };
+        for rows in self.rows.chunks(self.sums.saturating_mul(replicates).max(1)) {
+            let row = |k: usize| rows.iter().skip(k).step_by(self.sums).copied();
+            let merged = (0..self.sums).map(|k| row(k).fold(Cell::default(), Cell::merge));
+            all.rows.extend(merged);
+        }
+        all
+    }
+
+    /// The sums from a row of cells for each technique, whose samples are independent.
+    fn tallied_from_samples(&self, frame: &Frame<'_>, part: &Part) -> Vec<Tallied> {
         let all = part.all().samples;
         let one = |k: usize| {
             let column = self.rows.iter().skip(k).step_by(self.sums);
@@ -255,44 +240,11 @@ impl Cells {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cell, Cells, Pending, Tallied};
+    use super::{Cells, Pending, Tallied};
     use crate::estimator::{Design, Frame, OnFault};
     use crate::part::{Counts, Part};
+    use crate::run::cell::tests::{agree, plain};
     use crate::weighting::Balance;
-
-    fn cell(amounts: &[f64]) -> Cell {
-        let mut cell = Cell::default();
-        for amount in amounts {
-            cell.push(*amount);
-        }
-        cell
-    }
-
-    /// Count, mean and squared deviations by plain sums.
-    fn plain(amounts: &[f64]) -> (u64, f64, f64) {
-        let n = amounts.len() as f64;
-        let mean = amounts.iter().sum::<f64>() / n;
-        (amounts.len() as u64, mean, amounts.iter().map(|a| (a - mean).powi(2)).sum())
-    }
-
-    fn agree(cell: Cell, (count, mean, m2): (u64, f64, f64)) {
-        assert_eq!(cell.count, count);
-        assert!((cell.mean - mean).abs() < 1e-14 && (cell.m2 - m2).abs() < 1e-13, "{cell:?}");
-    }
-
-    const AMOUNTS: [f64; 7] = [1.5, -0.25, 3.0, 0.0, 2.75, -1.0, 0.5];
-
-    #[test]
-    fn cells_are_plain_sums() {
-        agree(cell(&AMOUNTS), plain(&AMOUNTS));
-        for cut in 0..=AMOUNTS.len() {
-            let (left, right) = AMOUNTS.split_at(cut);
-            agree(cell(left).merge(cell(right)), plain(&AMOUNTS));
-        }
-        let with_zeros = [&AMOUNTS[..], &[0.0; 13]].concat();
-        agree(cell(&AMOUNTS).of_all(20), plain(&with_zeros));
-        agree(cell(&AMOUNTS).of_all(7), plain(&AMOUNTS));
-    }
 
     /// Two sums of two techniques, three samples of each.
     fn cells() -> Cells {

@@ -20,7 +20,7 @@ use super::threads::Threads;
 use super::tree::Node;
 use crate::estimator::{Buffers, Draw, Evidence, Sample, Sums};
 use crate::integrand::{Integrand, Value};
-use crate::points::PointSource;
+use crate::points::{PointSource, replicates};
 
 /// What is drawn.
 pub(super) struct Job<'a, P, F: ?Sized, E: ?Sized, S: ?Sized, O> {
@@ -164,7 +164,7 @@ where
 {
     /// How many replicates the points have.
     pub(super) fn replicates(&self) -> usize {
-        self.points.replicates().max(1)
+        replicates(self.points)
     }
 
     /// What its samples come to.

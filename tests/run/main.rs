@@ -20,5 +20,6 @@ mod kill;
 mod pools;
 mod printed;
 mod progress;
+mod replicates;
 mod schedules;
 mod shards;
