@@ -45,6 +45,9 @@ pub trait PointSource: Sync + Debug {
     /// R, how many independent streams the samples of a technique are dealt to; 1 where all samples
     /// are independent, which is the default. It must not change, and be at least 1 and at most
     /// 4096; beyond, estimators take the nearer of these for R.
+    ///
+    /// A source that wraps another must hand this on with [`fill`](PointSource::fill): otherwise the
+    /// error is that of independent samples, and wrong.
     fn replicates(&self) -> usize {
         1
     }

@@ -131,6 +131,9 @@ impl<V: Value> Report<V> {
     /// it: the standard score of Σ α_i mean_i(p_k / Σ α_m p_m) - 1, which is 0 on average if every
     /// technique samples the pdf that it states.
     ///
+    /// From replicates, scores are smaller than that: points are more even than independent ones, of
+    /// which the variance is taken.
+    ///
     /// `None` where it cannot be said: with one technique, with constant weights (the other pdfs are
     /// not evaluated), and where densities leave the range of `f64`. A large score names no culprit:
     /// if one sampler is wrong, several scores are large.
