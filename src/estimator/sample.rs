@@ -34,6 +34,16 @@ impl OnFault {
         }
     }
 
+    /// Whether so many faults are too many for any `limit` samples of which these are the first, or
+    /// by far for these.
+    pub(crate) fn is_hopeless(self, faults: u64, samples: u64, limit: u64) -> bool {
+        let Self::CountAsZero { at_most } = self else { return false };
+        let (faults, expected) = (faults as f64, at_most * samples as f64);
+        // Ten more than five standard deviations: by chance in less than 1e-6 of runs.
+        let far = faults > expected + 5.0 * expected.sqrt() + 10.0;
+        far || faults > at_most * limit as f64
+    }
+
     /// Whether so many faults are too many.
     pub(crate) fn check(self, faults: u64, samples: u64) -> Result<(), EstimateError> {
         match self {
@@ -110,5 +120,29 @@ impl<'a, P, V: Value> Sample<'a, P, V> {
     /// NaN for a component that there is not.
     pub(crate) fn contribution_to(&self, c: usize) -> f64 {
         self.y.get(c * self.stride).copied().unwrap_or(f64::NAN)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::OnFault;
+
+    #[test]
+    fn when_faults_are_hopeless() {
+        let zero = OnFault::count_as_zero(0.01).unwrap();
+        for (faults, samples, limit, hopeless) in [
+            // 100 are expected, and 100 + 5 · 10 + 10 may be.
+            (160, 10_000, 1 << 20, false),
+            (161, 10_000, 1 << 20, true),
+            // None, and 10 may be.
+            (10, 0, 1 << 20, false),
+            (11, 0, 1 << 20, true),
+            // More than all samples to come may have.
+            (4, 100, 400, false),
+            (5, 100, 400, true),
+        ] {
+            assert_eq!(zero.is_hopeless(faults, samples, limit), hopeless, "{faults} {samples}");
+            assert!(!OnFault::Error.is_hopeless(faults, samples, limit));
+        }
     }
 }

@@ -20,7 +20,7 @@ use super::threads::Threads;
 use super::worker::{Brake, Job, Observer, Outcome, caught};
 use crate::error::{ArgumentError, shortened};
 use crate::estimate::Estimate;
-use crate::estimator::{Estimator, Frame, OnFault};
+use crate::estimator::{Estimator, Frame};
 use crate::integrand::{Integrand, Value};
 use crate::part::Counts;
 use crate::points::PointSource;
@@ -311,12 +311,9 @@ where
     /// Whether there are so many faults that there is no use in going on: more than all samples of
     /// the run may have, or more by far than these may have.
     fn hopeless(&self, all: &Leaf, limit: u64) -> Option<RunFault> {
-        let OnFault::CountAsZero { at_most } = self.frame().on_fault else { return None };
         let counts = all.node.part.all();
-        let (faults, expected) = (counts.faults() as f64, at_most * counts.samples as f64);
-        // Ten more than five standard deviations: by chance in less than 1e-6 of runs.
-        let far = faults > expected + 5.0 * expected.sqrt() + 10.0;
-        (far || faults > at_most * limit as f64).then(|| self.faults_in(counts)).flatten()
+        let hopeless = self.frame().on_fault.is_hopeless(counts.faults(), counts.samples, limit);
+        hopeless.then(|| self.faults_in(counts)).flatten()
     }
 
     /// Whether there are too many faults in a run that is over. A shard is only a part of one.
