@@ -172,7 +172,7 @@ impl Gate {
     /// of R normal values over √R, some replicates have seen what others have not. Up to 0.07, as of
     /// more than 120 replicates, intervals hold their level nevertheless. The farthest
     /// part of a tail, a single point of each replicate, is as random as ever: where k is 1/5, such
-    /// intervals of 95 % cover 92 %, whatever n. So k̂ ≤ 0.12, which most samples of an exponential
+    /// intervals of 95 % cover 92 to 93 %, whatever n. So k̂ ≤ 0.12, which most samples of an exponential
     /// tail pass, and hardly any of one with k = 1/5.
     fn judge(self, kappa: f64, k_hat: f64, replicates: usize) -> (bool, bool) {
         if replicates > 1 {
