@@ -74,7 +74,9 @@ pub mod weighting;
 
 pub use error::{ArgumentError, EstimateError};
 pub use estimate::{Estimate, Interval, Largest, TechniqueSummary};
-pub use estimator::{Estimator, MultiSample, OnFault, OneSample, Sample};
+pub use estimator::{
+    Controls, Estimator, Fit, MultiSample, OnFault, OneSample, OptimalEstimate, OptimalMis, Sample,
+};
 pub use integrand::{Integrand, LnValue, Value};
 pub use run::{
     Cancel, CheckpointError, Doubt, Norm, Progress, Report, RoundSummary, Run, RunError, RunFault,

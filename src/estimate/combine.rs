@@ -91,7 +91,20 @@ impl<V: Value> Estimate<V> {
             }
             Design::Pooled => self.samples() > 1,
         };
-        (known && self.has_signal(c)).then(|| largest * squares.sqrt())
+        let known = known && self.has_signal(c);
+        known.then(|| largest * squares.sqrt()).and_then(|error| self.for_the_fit(error))
+    }
+
+    /// A standard error of what coefficients fitted to the very samples have left, corrected for
+    /// these: they leave less than there is. Unknown if there are hardly more samples than coefficients.
+    fn for_the_fit(&self, error: f64) -> Option<f64> {
+        if self.fitted == 0 {
+            return Some(error);
+        }
+        let means = self.shares.iter().filter(|share| **share > 0.0).count() as u64;
+        let n = self.samples().saturating_sub(means);
+        let left = n.checked_sub(self.fitted).filter(|left| *left > 0)?;
+        Some(error * (n as f64 / left as f64).sqrt())
     }
 
     /// Technique `i`'s part of the standard error of component `c`; the parts add as squares.
@@ -114,7 +127,7 @@ impl<V: Value> Estimate<V> {
         if self.replicates > 1 {
             return (self.replicates - 1) as f64;
         }
-        match self.design {
+        let of_samples = match self.design {
             Design::Stratified if error > 0.0 => self
                 .techniques_drawn()
                 .filter(|i| self.count(*i) > 1)
@@ -125,7 +138,8 @@ impl<V: Value> Estimate<V> {
                 .sum::<f64>()
                 .recip(),
             _ => self.samples().saturating_sub(1) as f64,
-        }
+        };
+        if self.fitted == 0 { of_samples } else { (of_samples - self.fitted as f64).max(1.0) }
     }
 
     pub(super) fn error_with_freedom(&self, c: usize) -> Option<(f64, f64)> {
@@ -212,7 +226,7 @@ impl<V: Value> Estimate<V> {
             if contribution.abs() > largest.map_or(0.0, |l| l.contribution.abs()) {
                 let value = self.value_of(c);
                 largest = Some(Largest {
-                    technique,
+                    technique: technique % self.techniques,
                     sample: extreme.index,
                     contribution,
                     share_of_value: (value != 0.0).then(|| contribution / value),

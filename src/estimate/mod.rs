@@ -25,9 +25,14 @@ use crate::part::{Counts, Part};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate<V = f64> {
     design: Design,
-    /// α_i: the share that a technique was to have of the samples.
+    /// α_i: the share that a technique was to have of the samples. Where these were drawn in
+    /// batches, of each batch in turn.
     shares: Vec<f64>,
     part: Part,
+    /// K.
+    techniques: usize,
+    /// How many coefficients were fitted to the samples.
+    fitted: u64,
     /// The counts of all techniques together.
     all: Counts,
     /// R: the contributions of a technique are those of its replicates, side by side.
@@ -91,10 +96,33 @@ pub struct Largest {
 
 impl<V: Value> Estimate<V> {
     pub(crate) fn new(design: Design, shares: &[f64], part: Part) -> Self {
-        let shares = shares.to_vec();
+        Self::in_batches(design, shares.to_vec(), part, shares.len(), 0)
+    }
+
+    /// The estimate from batches, each with samples of its own from every one of `techniques`
+    /// techniques: shares and parts are those of the first batch's techniques, then those of the
+    /// second's, and so on. `fitted` coefficients were fitted to the very samples.
+    pub(crate) fn in_batches(
+        design: Design,
+        shares: Vec<f64>,
+        part: Part,
+        techniques: usize,
+        fitted: u64,
+    ) -> Self {
         let (all, replicates) = (part.all(), part.replicates(V::COMPONENTS));
         let (dealt, results, value) = (Vec::new(), Vec::new(), PhantomData);
-        let mut estimate = Self { design, shares, part, all, replicates, dealt, results, value };
+        let mut estimate = Self {
+            design,
+            shares,
+            part,
+            techniques,
+            fitted,
+            all,
+            replicates,
+            dealt,
+            results,
+            value,
+        };
         estimate.dealt = estimate.samples_of_replicates().unwrap_or_default();
         for c in 0..V::COMPONENTS {
             let value = estimate.mean(c);
@@ -206,6 +234,7 @@ impl<V: Value> Estimate<V> {
         {
             let y = self.of(i, c).extreme.y;
             if self.count(i) > 0 && !(a <= y && y <= b) {
+                let i = i % self.techniques;
                 let rule = format!("technique {i} has the contribution {y}");
                 return Err(ArgumentError::new(OWNER, "bounds", bounds, rule));
             }
@@ -243,10 +272,14 @@ impl<V: Value> Estimate<V> {
     /// What each technique did, in the order in which they were given.
     #[must_use]
     pub fn techniques(&self) -> impl ExactSizeIterator<Item = TechniqueSummary<V>> {
-        self.techniques_drawn().map(|i| TechniqueSummary {
-            samples: self.count(i),
-            share_of_value: V::each(|c| self.share_of_value(i, c)),
-            share_of_variance: V::each(|c| self.share_of_variance(i, c)),
+        (0..self.techniques).map(|i| {
+            let batches = || self.techniques_drawn().skip(i).step_by(self.techniques);
+            let sum = |shares: &dyn Fn(usize) -> Option<f64>| batches().map(shares).sum();
+            TechniqueSummary {
+                samples: batches().map(|s| self.count(s)).sum(),
+                share_of_value: V::each(|c| sum(&|s| self.share_of_value(s, c))),
+                share_of_variance: V::each(|c| sum(&|s| self.share_of_variance(s, c))),
+            }
         })
     }
 

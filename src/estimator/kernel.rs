@@ -4,8 +4,9 @@ use std::fmt::Debug;
 use std::slice::ChunksExact;
 
 use super::Dyn;
+use super::controls::Controls;
 use super::evidence::Evidence;
-use super::sample::{OnFault, Sample};
+use super::sample::{DensitiesAt, OnFault, Sample};
 use crate::error::{EstimateError, Fault};
 use crate::integrand::{Integrand, Value};
 use crate::lanes;
@@ -23,6 +24,8 @@ pub(super) struct Kernel<'a, P, W> {
     /// one-sample weights that ignore the probabilities.
     pub(super) density_factors: &'a [f64],
     pub(super) weighting: &'a W,
+    /// What is subtracted from the contributions.
+    pub(super) controls: Option<&'a Controls>,
     pub(super) on_fault: OnFault,
     /// How many replicates the samples of a technique are divided among.
     pub(super) replicates: usize,
@@ -176,7 +179,8 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         f.eval_batch(xs, values);
 
         let constant = self.weighting.constant_weight(i, self.alpha);
-        let sound = self.densities(i, constant.is_some(), xs, pdfs);
+        let own_only = constant.is_some() && self.controls.is_none();
+        let sound = self.densities(i, own_only, xs, pdfs);
         if let Some(w) = constant {
             let a = self.density_factors[i];
             for (factor, p) in factors.iter_mut().zip(&pdfs[i * n..]) {
@@ -208,7 +212,15 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             for j in 0..n {
                 let rows = pdfs.chunks_exact(n);
                 match self.check(i, (&xs[j], &values[j]), rows, y, j, ratios) {
-                    Ok(ln_factor) => factors[j] = ln_factor.map_or(factors[j], f64::exp),
+                    Ok(None) => {}
+                    Ok(Some(ln_factor)) => {
+                        factors[j] = ln_factor.exp();
+                        // From here on, only the ratios of the densities matter.
+                        let rows = pdfs.chunks_exact_mut(n).zip(self.density_factors);
+                        for ((row, a), r) in rows.zip(&ratios.r).filter(|((_, a), _)| **a > 0.0) {
+                            row[j] = r / a;
+                        }
+                    }
                     Err(fault) if self.on_fault == OnFault::Error => {
                         return Err(EstimateError::new(i, index(j), &xs[j], &values[j], &fault));
                     }
@@ -225,10 +237,30 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
             any_zero = true;
         }
 
+        if let Some(controls) = self.controls {
+            controls.subtract(self.alpha, pdfs, n, y.chunks_exact_mut(self.block));
+            for (block, y) in blocks.iter_mut().zip(y.chunks_exact(self.block)) {
+                *block = Moments::of_block(&y[..n]);
+            }
+            any_zero = true;
+        }
+
         for (j, ((x, value), weight)) in xs.iter().zip(&*values).zip(&*factors).enumerate() {
             let (weight, y) = (*weight, y.get(j..).unwrap_or_default());
             let (index, stride) = (index(j), self.block);
-            inspect(&Sample { technique: i, replicate, index, x, value, weight, y, stride });
+            let rows = pdfs.get(j..).unwrap_or_default();
+            let densities = DensitiesAt { alpha: self.alpha, rows, stride: n };
+            inspect(&Sample {
+                technique: i,
+                replicate,
+                index,
+                x,
+                value,
+                weight,
+                y,
+                stride,
+                densities,
+            });
         }
         let rows = y.chunks_exact(self.block);
         let zero = |j: &usize| rows.clone().all(|y| y[*j] == 0.0);

@@ -1,16 +1,22 @@
 //! Estimators: techniques and a weighting, applied to an integrand.
 
+mod controls;
 mod evidence;
+mod kept;
 mod kernel;
 mod multi_sample;
 mod one_sample;
+mod optimal;
+mod regression;
 mod sample;
 
 pub(crate) use crate::estimate::Design;
+pub use controls::Controls;
 pub(crate) use evidence::{Evidence, Seen};
 pub(crate) use kernel::{Buffers, Sums};
 pub use multi_sample::MultiSample;
 pub use one_sample::OneSample;
+pub use optimal::{Fit, OptimalEstimate, OptimalMis};
 pub use sample::{OnFault, Sample};
 
 use std::fmt::Debug;
@@ -125,6 +131,7 @@ pub struct Frame<'a> {
     pub(crate) samples: u64,
     pub(crate) on_fault: OnFault,
     pub(crate) weighting: &'a dyn Debug,
+    pub(crate) controls: Option<&'a Controls>,
 }
 
 impl Debug for Frame<'_> {
@@ -134,6 +141,9 @@ impl Debug for Frame<'_> {
             Design::Pooled => ("one-sample", "probabilities"),
         };
         write!(f, "{name}, {shares} {:?}, weighting {:?}", self.shares, self.weighting)?;
+        if let Some(controls) = self.controls {
+            write!(f, ", controls {controls:?}")?;
+        }
         match self.on_fault {
             OnFault::Error => Ok(()),
             OnFault::CountAsZero { at_most } => write!(f, ", at most {at_most} may be faults"),

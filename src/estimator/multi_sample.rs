@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
+use super::controls::Controls;
 use super::kernel::{Batch, Buffers, Kernel, Sums};
 use super::sample::{OnFault, Sample};
 use super::{BLOCK, Draw, Dyn, Frame, block_size, check_techniques, dealt};
@@ -44,6 +45,7 @@ pub struct MultiSample<'a, P, W = Balance> {
     /// n_i / N.
     alpha: Vec<f64>,
     weighting: W,
+    controls: Option<Controls>,
     on_fault: OnFault,
 }
 
@@ -78,8 +80,8 @@ impl<'a, P> MultiSample<'a, P> {
             return Err(ArgumentError::new("MultiSample", "samples", samples, rule));
         };
         let alpha = samples.iter().map(|n| *n as f64 / total as f64).collect();
-        let (weighting, on_fault) = (Balance, OnFault::Error);
-        Ok(Self { techniques, dimensions, samples, total, alpha, weighting, on_fault })
+        let (weighting, controls, on_fault) = (Balance, None, OnFault::Error);
+        Ok(Self { techniques, dimensions, samples, total, alpha, weighting, controls, on_fault })
     }
 }
 
@@ -94,8 +96,27 @@ impl<'a, P, W> MultiSample<'a, P, W> {
         weighting: U,
     ) -> Result<MultiSample<'a, P, U>, ArgumentError> {
         weighting.check(&self.alpha)?;
-        let Self { techniques, dimensions, samples, total, alpha, on_fault, .. } = self;
-        Ok(MultiSample { techniques, dimensions, samples, total, alpha, weighting, on_fault })
+        let Self { techniques, dimensions, samples, total, alpha, controls, on_fault, .. } = self;
+        Ok(MultiSample {
+            techniques,
+            dimensions,
+            samples,
+            total,
+            alpha,
+            weighting,
+            controls,
+            on_fault,
+        })
+    }
+
+    /// Subtracts a combination of the pdfs from every contribution, whose mean is known.
+    ///
+    /// # Errors
+    ///
+    /// There must be one coefficient for each technique.
+    pub fn controls(self, controls: Controls) -> Result<Self, ArgumentError> {
+        controls.check(self.techniques.len())?;
+        Ok(Self { controls: Some(controls), ..self })
     }
 
     /// What to do with samples that have no usable contribution; an error by default.
@@ -108,7 +129,7 @@ impl<'a, P, W> MultiSample<'a, P, W> {
 impl<P, W> MultiSample<'_, P, W> {
     /// How many of the first `samples` samples are technique `i`'s: its share of them, rounded
     /// down.
-    fn of_the_first(&self, samples: u64, i: usize) -> u64 {
+    pub(super) fn of_the_first(&self, samples: u64, i: usize) -> u64 {
         let part = u128::from(samples) * u128::from(self.samples[i]) / u128::from(self.total);
         u64::try_from(part).unwrap_or(u64::MAX)
     }
@@ -117,7 +138,8 @@ impl<P, W> MultiSample<'_, P, W> {
 impl<P: Debug, W: Weighting> Draw<P> for MultiSample<'_, P, W> {
     fn frame(&self) -> Frame<'_> {
         let (shares, samples, on_fault) = (&self.alpha, self.total, self.on_fault);
-        Frame { design: Design::Stratified, shares, samples, on_fault, weighting: &self.weighting }
+        let (weighting, controls) = (&self.weighting, self.controls.as_ref());
+        Frame { design: Design::Stratified, shares, samples, on_fault, weighting, controls }
     }
 
     fn draw<F, S, I>(
@@ -176,6 +198,7 @@ impl<P: Debug, W: Weighting> MultiSample<'_, P, W> {
             alpha: &self.alpha,
             density_factors: &self.alpha,
             weighting: &self.weighting,
+            controls: self.controls.as_ref(),
             on_fault: self.on_fault,
             replicates,
             block: block_size(most.div_ceil(replicates as u64)),
@@ -211,6 +234,7 @@ impl<P, W: Clone> Clone for MultiSample<'_, P, W> {
             total: self.total,
             alpha: self.alpha.clone(),
             weighting: self.weighting.clone(),
+            controls: self.controls.clone(),
             on_fault: self.on_fault,
         }
     }
@@ -221,6 +245,7 @@ impl<P, W: Debug> Debug for MultiSample<'_, P, W> {
         f.debug_struct("MultiSample")
             .field("samples", &self.samples)
             .field("weighting", &self.weighting)
+            .field("controls", &self.controls)
             .field("on_fault", &self.on_fault)
             .finish_non_exhaustive()
     }

@@ -136,7 +136,7 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
     fn frame(&self) -> Frame<'_> {
         let (shares, samples, on_fault) = (&self.probabilities, self.samples, self.on_fault);
         let weighting = &self.weighting;
-        Frame { design: Design::Pooled, shares, samples, on_fault, weighting }
+        Frame { design: Design::Pooled, shares, samples, on_fault, weighting, controls: None }
     }
 
     fn draw<F, S, I>(
@@ -159,6 +159,7 @@ impl<P: Debug, W: Weighting> Draw<P> for OneSample<'_, P, W> {
             alpha: &self.probabilities,
             density_factors: &self.density_factors,
             weighting: &self.weighting,
+            controls: None,
             on_fault: self.on_fault,
             replicates,
             block: block_size((range.end - range.start).div_ceil(replicates as u64)),

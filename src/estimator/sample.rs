@@ -67,6 +67,41 @@ pub struct Sample<'a, P, V> {
     /// One a component, `stride` apart.
     pub(super) y: &'a [f64],
     pub(super) stride: usize,
+    pub(super) densities: DensitiesAt<'a>,
+}
+
+/// The pdfs of all techniques at a point, up to a factor that they have in common.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DensitiesAt<'a> {
+    /// α_k.
+    pub(super) alpha: &'a [f64],
+    /// One a technique, `stride` apart.
+    pub(super) rows: &'a [f64],
+    pub(super) stride: usize,
+}
+
+impl DensitiesAt<'_> {
+    /// p_k / Σ α_m p_m for every technique, into `out`.
+    ///
+    /// Each is at most 1 / α_k. Where a pdf is subnormal, the quotient has only its digits.
+    fn relative(&self, out: &mut [f64]) {
+        let pdfs = self.rows.iter().step_by(self.stride.max(1));
+        let sum: f64 = self.alpha.iter().zip(pdfs.clone()).map(|(alpha, p)| alpha * p).sum();
+        for (out, p) in out.iter_mut().zip(pdfs) {
+            *out = p / sum;
+        }
+    }
+
+    /// (p_k - p_r) / Σ α_m p_m for every technique, into `out`.
+    fn differences(&self, r: usize, out: &mut [f64]) {
+        // Exact where the densities are close; their quotients are not.
+        let pdfs = || self.rows.iter().step_by(self.stride.max(1));
+        let sum: f64 = self.alpha.iter().zip(pdfs()).map(|(alpha, p)| alpha * p).sum();
+        let from = pdfs().nth(r).copied().unwrap_or(f64::NAN);
+        for (out, p) in out.iter_mut().zip(pdfs()) {
+            *out = (p - from) / sum;
+        }
+    }
 }
 
 impl<'a, P, V: Value> Sample<'a, P, V> {
@@ -110,11 +145,24 @@ impl<'a, P, V: Value> Sample<'a, P, V> {
         self.weight
     }
 
-    /// The contribution y = w_i(x) f(x) / (α_i p_i(x)), the value times the weight. The mean of y
-    /// over all samples is the estimate.
+    /// The contribution y = w_i(x) f(x) / (α_i p_i(x)), the value times the weight; less the
+    /// [controls](crate::MultiSample::controls), if there are any. The mean of y over all samples is
+    /// the estimate.
     #[must_use]
     pub fn contribution(&self) -> V::Each<f64> {
         V::each(|c| self.contribution_to(c))
+    }
+
+    /// p_k / Σ α_m p_m at x for every technique, into `out`; 0 for those without a share. NaN where
+    /// the weights are constant: the pdfs of others are not evaluated then.
+    pub(crate) fn relative_densities(&self, out: &mut [f64]) {
+        self.densities.relative(out);
+    }
+
+    /// (p_k - p_r) / Σ α_m p_m at x for every technique, into `out`, as
+    /// [`relative_densities`](Self::relative_densities).
+    pub(crate) fn differences(&self, r: usize, out: &mut [f64]) {
+        self.densities.differences(r, out);
     }
 
     /// NaN for a component that there is not.

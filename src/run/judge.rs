@@ -246,7 +246,14 @@ mod tests {
         let node = Node { part: Part::default(), seen, densities, cells: Cells::default() };
         let on_fault = OnFault::Error;
         let design = Design::Stratified;
-        let frame = Frame { design, shares: &shares, samples: 7, on_fault, weighting: &Balance };
+        let frame = Frame {
+            design,
+            shares: &shares,
+            samples: 7,
+            on_fault,
+            weighting: &Balance,
+            controls: None,
+        };
         density_scores(&frame, &Leaf { node, tails: Vec::new() })
     }
 

@@ -271,7 +271,8 @@ mod tests {
         let counts = samples.map(|samples| Counts { samples, ..Counts::default() });
         let part = Part { contributions: Vec::new(), counts: counts.to_vec() };
         let (shares, on_fault) = (&[0.25, 0.75], OnFault::Error);
-        let frame = Frame { design, shares, samples: 6, on_fault, weighting: &Balance };
+        let frame =
+            Frame { design, shares, samples: 6, on_fault, weighting: &Balance, controls: None };
         cells.tallied(&frame, &part, 1)
     }
 
@@ -312,7 +313,8 @@ mod tests {
         let part = Part { contributions: Vec::new(), counts: counts.to_vec() };
         let (design, on_fault) = (Design::Stratified, OnFault::Error);
         let shares = &[0.0, 1.0];
-        let frame = Frame { design, shares, samples: 3, on_fault, weighting: &Balance };
+        let frame =
+            Frame { design, shares, samples: 3, on_fault, weighting: &Balance, controls: None };
         let sum = cells.tallied(&frame, &part, 1)[0];
         let (_, mean, m2) = plain(&[1.0, 2.0, 4.0]);
         assert!((sum.value - mean).abs() < 1e-15);
