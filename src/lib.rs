@@ -40,6 +40,8 @@
 //! - [`MultiSample`] and [`OneSample`], both an [`Estimator`], collect the contributions.
 //! - [`Estimate`]: value, standard error, interval, and what each technique did.
 //! - [`run`]: a [`Run`] drives an estimator to a [`Target`], on all threads, and judges the result.
+//! - [`plan`]: which estimator, and how many samples of each technique? [`integrate`] finds out, and
+//!   does it.
 //! - [`check`]: does a technique keep its promises? A report on every law.
 //! - `lighting`: an application, the radiance that leaves a surface.
 //!
@@ -66,6 +68,7 @@ pub mod lighting;
 pub mod measured;
 mod moments;
 mod part;
+pub mod plan;
 pub mod points;
 pub mod run;
 mod tail;
@@ -78,6 +81,7 @@ pub use estimator::{
     Controls, Estimator, Fit, MultiSample, OnFault, OneSample, OptimalEstimate, OptimalMis, Sample,
 };
 pub use integrand::{Integrand, LnValue, Value};
+pub use plan::{Integral, Plan, integrate};
 pub use run::{
     Cancel, CheckpointError, Doubt, Norm, Progress, Report, RoundSummary, Run, RunError, RunFault,
     Status, Stop, Tallied, Tally, Target,

@@ -47,6 +47,11 @@ impl Kept {
         self.of.push(Origin { technique, replicate, index: sample.index() });
     }
 
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.of.len()
+    }
+
     /// Every sample: where it comes from, its regressors, and its contributions.
     pub(crate) fn samples(&self) -> impl Iterator<Item = (&Origin, &[f64], &[f64])> {
         let rows = self.rows.chunks_exact((self.regressors + self.components).max(1));

@@ -37,7 +37,7 @@ fn tail_length(n: u64) -> usize {
 /// Generalized Pareto Distribution*, 2009, doi:10.1198/tech.2009.08017 (their k is -k); A.
 /// Vehtari, D. Simpson, A. Gelman, Y. Yao and J. Gabry, *Pareto Smoothed Importance Sampling*,
 /// 2024, for M, the prior and the bound 0.7.
-pub(super) fn k_hat(largest: &[f64], n: u64) -> Option<f64> {
+pub(crate) fn k_hat(largest: &[f64], n: u64) -> Option<f64> {
     let length = tail_length(n).min(largest.len().saturating_sub(1));
     if length < SHORTEST_TAIL || largest.iter().any(|x| !x.is_finite()) {
         return None;

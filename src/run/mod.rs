@@ -83,6 +83,7 @@ mod threads;
 mod tree;
 mod worker;
 
+pub(crate) use k_hat::k_hat;
 pub use error::{CheckpointError, RunError, RunFault};
 pub use progress::{Cancel, Progress};
 pub use report::{Report, RoundSummary};

@@ -141,26 +141,26 @@ impl Target {
         Self { time: Some(time), ..self }
     }
 
-    pub(super) fn level(&self) -> f64 {
+    pub(crate) fn level(&self) -> f64 {
         self.confidence
     }
 
-    pub(super) fn has_tolerance(&self) -> bool {
+    pub(crate) fn has_tolerance(&self) -> bool {
         self.absolute > 0.0 || self.relative > 0.0
     }
 
-    pub(super) fn limit_of_time(&self) -> Option<Duration> {
+    pub(crate) fn limit_of_time(&self) -> Option<Duration> {
         self.time
     }
 
     /// The most samples, where the estimator has `own`.
-    pub(super) fn limit(&self, own: u64) -> u64 {
+    pub(crate) fn limit(&self, own: u64) -> u64 {
         let endless = self.has_tolerance() || self.time.is_some();
         self.samples.unwrap_or(if endless { 1 << 53 } else { own })
     }
 
     /// Whether component `c` of the value counts.
-    pub(super) fn counts(&self, c: usize) -> bool {
+    pub(crate) fn counts(&self, c: usize) -> bool {
         match self.norm {
             Norm::Component(only) => only == c,
             _ => true,
@@ -170,7 +170,7 @@ impl Target {
     /// # Errors
     ///
     /// There is no component at all, or not the one that the norm is of.
-    pub(super) fn check(&self, components: usize) -> Result<(), ArgumentError> {
+    pub(crate) fn check(&self, components: usize) -> Result<(), ArgumentError> {
         if components == 0 {
             let rule = "the values of an integrand must have at least one component";
             return Err(ArgumentError::new("Run", "Value::COMPONENTS", components, rule));
@@ -189,13 +189,21 @@ impl Target {
     ///
     /// Components in which no sample had a contribution are left out, if others have one.
     pub(super) fn excess<V: Value>(&self, estimate: &Estimate<V>) -> f64 {
-        let components = (0..V::COMPONENTS).filter(|c| self.counts(*c) && estimate.has_signal(*c));
-        let one = |c: usize| (estimate.half_width(c, self.confidence), estimate.value_of(c).abs());
+        let one = |c| {
+            let ends = (estimate.half_width(c, self.confidence), estimate.value_of(c).abs());
+            estimate.has_signal(c).then_some(ends)
+        };
+        self.excess_of((0..V::COMPONENTS).map(one))
+    }
+
+    /// The same, of half-widths and values; none of a component without a contribution.
+    pub(crate) fn excess_of(&self, ends: impl Iterator<Item = Option<(f64, f64)>>) -> f64 {
         let over = |(error, value): (f64, f64)| {
             let tolerance = self.absolute.max(self.relative * value);
             if error == 0.0 { 0.0 } else { error / tolerance }
         };
-        let all: Vec<(f64, f64)> = components.map(one).collect();
+        let counted = ends.enumerate().filter(|(c, _)| self.counts(*c));
+        let all: Vec<(f64, f64)> = counted.filter_map(|(_, ends)| ends).collect();
         if all.is_empty() || all.iter().any(|(error, value)| !(error + value).is_finite()) {
             return f64::INFINITY;
         }

@@ -1,0 +1,209 @@
+//! The variance of every estimator, from one pilot's samples.
+
+use super::data::Data;
+use super::method::Method;
+use crate::error::ArgumentError;
+use crate::estimator::{Controls, Regression, Solution};
+use crate::run::k_hat;
+use crate::weighting::{Densities, Weighting};
+
+/// What a pilot says of a method with certain shares.
+#[derive(Debug, Clone)]
+pub(super) struct Forecast {
+    /// N times the variance of an estimate from N samples, for each component.
+    pub(super) variance: Vec<f64>,
+    /// Its standard error, over it.
+    pub(super) uncertainty: Vec<f64>,
+    /// How the variance falls as a technique gets more samples, -∂V/∂n_k per sample, all components
+    /// together.
+    pub(super) gradient: Vec<f64>,
+    /// Whether few samples make up the variance, so that it may be far larger than it looks.
+    pub(super) heavy: bool,
+    /// A technique that is relied on where it does not reach.
+    pub(super) uncovered: Option<usize>,
+}
+
+/// How heavy the tail of the terms of a variance may be: their own variance is infinite from 1/2 on.
+const HEAVY: f64 = 0.5;
+
+impl Forecast {
+    /// The components' variances over their scales, added up.
+    pub(super) fn total(&self, scales: &[f64]) -> f64 {
+        self.variance.iter().zip(scales).map(|(v, s)| v * s).sum()
+    }
+}
+
+/// The forecast for a method. `scales` weigh the components in the gradient.
+///
+/// The variance is N V = Σ α_i Var_i(y_i), with y_i = w_i f / (α_i p_i) and Var_i the variance under p_i.
+/// That is estimated by the samples of all techniques, weighted by p_i over their mixture, about
+/// the mean under p_i: they show what p_i's own samples would miss, and a contribution that does not
+/// vary has a variance of 0 to the last digit.
+pub(super) fn forecast(
+    data: &Data,
+    method: &Method,
+    shares: &[f64],
+    scales: &[f64],
+) -> Result<Forecast, ArgumentError> {
+    let weighting = method.weighting()?;
+    let n = data.samples;
+    let s = data.mixture(shares);
+    let mut result = Forecast {
+        variance: Vec::new(),
+        uncertainty: Vec::new(),
+        gradient: vec![0.0; data.techniques],
+        heavy: false,
+        uncovered: None,
+    };
+    for (c, scale) in scales.iter().enumerate().take(data.components()) {
+        let mut terms = vec![0.0; n];
+        match method {
+            Method::Balance | Method::Single(_) | Method::OneSample | Method::Optimal(_) => {
+                let mut g: Vec<f64> = data.y(c).iter().zip(&s).map(|(y, s)| y / s).collect();
+                if let Method::Optimal(controls) = method {
+                    subtract(&mut g, controls, c, data, &s);
+                }
+                for (j, g) in g.iter_mut().enumerate().filter(|(j, _)| !(s[*j] > 0.0)) {
+                    if data.y(c)[j] != 0.0 {
+                        let missing = (0..data.techniques).find(|k| shares[*k] > 0.0);
+                        result.uncovered = result.uncovered.or(missing);
+                    }
+                    *g = 0.0;
+                }
+                shared(data, method, shares, &g, &s, &mut terms, &mut result.gradient, *scale);
+            }
+            _ => {
+                for i in (0..data.techniques).filter(|i| shares[*i] > 0.0) {
+                    let g = own(data, &*weighting, i, shares, c);
+                    let mean = data.expected(i, |j| g[j]);
+                    let alpha = shares[i];
+                    for ((t, g), d) in terms.iter_mut().zip(&g).zip(data.d(i)) {
+                        if *d > 0.0 {
+                            *t += alpha * d * (g - mean).powi(2);
+                        }
+                    }
+                    result.gradient[i] += scale * data.expected(i, |j| (g[j] - mean).powi(2));
+                    if matches!(method, Method::Constant(weights) if weights[i] > 0.0) {
+                        let misses = |(d, y): (&f64, &f64)| *d == 0.0 && *y != 0.0;
+                        let uncovered = data.d(i).iter().zip(data.y(c)).any(misses);
+                        result.uncovered = result.uncovered.or(uncovered.then_some(i));
+                    }
+                }
+            }
+        }
+        let (variance, error) = data.mean(&terms);
+        result.variance.push(variance);
+        // Equal contributions have no variance that could be wrong.
+        result.uncertainty.push(if variance > 0.0 { error / variance } else { 0.0 });
+        let positive = terms.iter().filter(|t| **t > 0.0).count() as u64;
+        result.heavy |= k_hat(&terms, positive).is_some_and(|k| k >= HEAVY);
+    }
+    Ok(result)
+}
+
+/// The terms of a variance, and its gradient, where samples of all techniques contribute the same g.
+#[expect(clippy::too_many_arguments, reason = "one loop, in its parts")]
+fn shared(
+    data: &Data,
+    method: &Method,
+    shares: &[f64],
+    g: &[f64],
+    s: &[f64],
+    terms: &mut [f64],
+    gradient: &mut [f64],
+    scale: f64,
+) {
+    let active = || (0..data.techniques).filter(|k| shares[*k] > 0.0);
+    let means: Vec<f64> = (0..data.techniques).map(|k| data.expected(k, |j| g[j])).collect();
+    let mu: f64 = active().map(|k| shares[k] * means[k]).sum();
+    if *method == Method::OneSample {
+        for ((t, g), s) in terms.iter_mut().zip(g).zip(s) {
+            *t += s * (g - mu).powi(2);
+        }
+        for (k, gradient) in gradient.iter_mut().enumerate() {
+            *gradient += scale * data.expected(k, |j| (g[j] - mu) * (g[j] + mu));
+        }
+        return;
+    }
+    for k in active() {
+        for ((t, g), d) in terms.iter_mut().zip(g).zip(data.d(k)) {
+            *t += shares[k] * d * (g - means[k]).powi(2);
+        }
+    }
+    // V = ∫ f²/p_α - Σ α_i b_i² with b_i = E_i[g], and more samples of k change the b_i, too:
+    // -∂V/∂α_k = E_k[g² - 2 g u] + b_k², with u = Σ α_i p_i b_i / p_α. About μ, for the digits, with
+    // g, u and b less μ, it is E_k[g² - 2 g u] + b_k² + 2 μ (b_k - E_k[u]).
+    let mut u = vec![0.0; data.samples];
+    for k in active() {
+        for (u, d) in u.iter_mut().zip(data.d(k)) {
+            *u += shares[k] * (means[k] - mu) * d;
+        }
+    }
+    for (u, s) in u.iter_mut().zip(s) {
+        *u = if *s > 0.0 { *u / s } else { 0.0 };
+    }
+    for (k, gradient) in gradient.iter_mut().enumerate() {
+        let b = means[k] - mu;
+        let products = data.expected(k, |j| (g[j] - mu) * (g[j] - mu - 2.0 * u[j]));
+        let shift = 2.0 * mu * (b - data.expected(k, |j| u[j]));
+        *gradient += scale * (products + b * b + shift);
+    }
+}
+
+/// y_i = w_i f / (α_i p_i) at all samples.
+fn own(data: &Data, weighting: &dyn Weighting, i: usize, shares: &[f64], c: usize) -> Vec<f64> {
+    let mut factors = vec![0.0; data.samples];
+    if let Some(w) = weighting.constant_weight(i, shares) {
+        for (factor, d) in factors.iter_mut().zip(data.d(i)) {
+            *factor = w / (shares[i] * d);
+        }
+    } else {
+        let mut room = vec![0.0; data.techniques];
+        let q = Densities::new(shares, data.densities(), data.samples);
+        weighting.weight_over_density_batch(i, &q, &mut room, &mut factors);
+    }
+    for ((factor, y), d) in factors.iter_mut().zip(data.y(c)).zip(data.d(i)) {
+        *factor = if *d > 0.0 && *y != 0.0 { *factor * y } else { 0.0 };
+    }
+    factors
+}
+
+/// Subtracts controls from contributions g.
+fn subtract(g: &mut [f64], controls: &Controls, c: usize, data: &Data, s: &[f64]) {
+    let Some(row) = controls.coefficients().get(c) else { return };
+    let from = data.d(controls.reference());
+    for (k, beta) in row.iter().enumerate().filter(|(_, beta)| **beta != 0.0) {
+        for (((g, d), from), s) in g.iter_mut().zip(data.d(k)).zip(from).zip(s) {
+            *g -= beta * (d - from) / s;
+        }
+    }
+}
+
+/// The controls that leave the least variance with these shares, and how many coefficients they have.
+/// `None` if there is none to be had.
+///
+/// The regression is that of [`OptimalMis`](crate::OptimalMis) for samples of Σ α_k p_k; those of the
+/// pilot's mixture stand for them with the weight Σ α_k d_k.
+pub(super) fn controls(data: &Data, shares: &[f64]) -> Option<(Controls, usize)> {
+    let active: Vec<usize> = (0..data.techniques).filter(|k| shares[*k] > 0.0).collect();
+    let (reference, others) = active.split_first()?;
+    let s = data.mixture(shares);
+    let mut fit = Regression::new(others.len(), data.components());
+    for (j, s) in s.iter().enumerate().filter(|(_, s)| **s > 0.0) {
+        let from = data.d(*reference)[j];
+        let differences = others.iter().map(|k| (data.d(*k)[j] - from) / s);
+        let y = (0..data.components()).map(|c| data.y(c)[j] / s);
+        fit.push(s.sqrt(), differences, y);
+    }
+    if fit.rows() <= 10 * active.len() as u64 {
+        return None;
+    }
+    let Solution { coefficients, rank } = fit.solve()?;
+    let all = |row: Vec<f64>| {
+        let mut all = vec![0.0; data.techniques];
+        others.iter().zip(row).for_each(|(k, beta)| all[*k] = beta);
+        all
+    };
+    let rows: Vec<Vec<f64>> = coefficients.into_iter().map(all).collect();
+    Some((Controls::new(*reference, rows).ok()?, rank))
+}
