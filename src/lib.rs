@@ -32,6 +32,7 @@
 //! ```
 //!
 //! - [`points`]: canonical numbers ξ in the unit interval: [`Random`](points::Random) from a seed,
+//!   in pairs that are [`Antithetic`](points::Antithetic), [`Stratified`](points::Stratified),
 //!   [`Sobol`](points::Sobol), whose error falls faster, or [`Replay`](points::Replay) of given ones.
 //! - [`technique`]: a [`Technique`] maps ξ to a point x and knows the density of x.
 //! - [`Integrand`]: a closure `|x: &P| value`, of `f64`, `[f64; K]` or [`LnValue`]; or, for whole

@@ -1,16 +1,33 @@
 //! Point sources: where the canonical numbers ξ come from.
+//!
+//! | source | samples of a stream | use |
+//! |---|---|---|
+//! | [`Random`] | independent | the default |
+//! | [`Antithetic`] | pairs ξ, 1 - ξ | contributions that rise or fall with every coordinate |
+//! | [`Stratified`] | S at a time, one in each of S strata of every coordinate | contributions that are nearly sums of functions of one coordinate |
+//! | [`Sobol`] | even in all coordinates at once | smooth contributions: the error falls faster |
+//! | [`Replay`] | given numbers | tables, other generators, faults |
+//!
+//! But for random and given numbers, samples depend on each other, and the error comes from
+//! independent replicates.
 
+mod antithetic;
 mod directions;
 mod hash;
 mod random;
 mod replay;
 mod sobol;
+mod stratified;
 
+pub use antithetic::Antithetic;
 pub use random::Random;
 pub use replay::Replay;
 pub use sobol::Sobol;
+pub use stratified::Stratified;
 
 use std::fmt::Debug;
+
+use crate::error::ArgumentError;
 
 /// A source of canonical numbers in the unit interval.
 ///
@@ -55,6 +72,16 @@ pub trait PointSource: Sync + Debug {
 
 /// The most replicates: every one of them has sums of its own for each technique.
 const MOST_REPLICATES: usize = 4096;
+
+/// A number of replicates from which an error can be told.
+fn checked_replicates(owner: &'static str, replicates: usize) -> Result<usize, ArgumentError> {
+    if (2..=MOST_REPLICATES).contains(&replicates) {
+        Ok(replicates)
+    } else {
+        let rule = "it must be at least 2 and at most 4096";
+        Err(ArgumentError::new(owner, "replicates", replicates, rule))
+    }
+}
 
 /// R, within its bounds.
 pub(crate) fn replicates(points: &(impl PointSource + ?Sized)) -> usize {

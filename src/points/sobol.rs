@@ -4,7 +4,7 @@ use wide::u64x4;
 
 use super::directions::{self, Columns};
 use super::hash::{hash, word};
-use super::{MOST_REPLICATES, PointSource, PointsExhausted};
+use super::{PointSource, PointsExhausted, checked_replicates};
 use crate::error::ArgumentError;
 
 /// Sobol' points under Owen's scrambling: quasi-random points with an error bar.
@@ -88,12 +88,7 @@ impl Sobol {
     ///
     /// There must be at least 2 and at most 4096.
     pub fn with_replicates(self, replicates: usize) -> Result<Self, ArgumentError> {
-        if (2..=MOST_REPLICATES).contains(&replicates) {
-            Ok(Self { replicates, ..self })
-        } else {
-            let rule = "it must be at least 2 and at most 4096";
-            Err(ArgumentError::new("Sobol", "replicates", replicates, rule))
-        }
+        Ok(Self { replicates: checked_replicates("Sobol", replicates)?, ..self })
     }
 }
 

@@ -14,6 +14,7 @@ mod affine;
 mod batch;
 mod cauchy;
 mod columns;
+mod compensated;
 mod elementary;
 mod exponential;
 mod fn_technique;

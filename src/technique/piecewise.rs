@@ -142,6 +142,16 @@ impl PiecewiseConstant {
         Ok(Self { edges, bins, starts })
     }
 
+    /// One more than there are bins, from the lower end of the support to the upper.
+    pub(super) fn edges(&self) -> &[f64] {
+        &self.edges
+    }
+
+    /// The probability of every bin, and its ends.
+    pub(super) fn bins(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
+        self.bins.iter().map(|bin| (bin.probability, bin.ends))
+    }
+
     /// The bin that holds x, or that is nearest to it.
     fn bin(&self, x: f64) -> &Bin {
         let after = self.edges.partition_point(|&e| e <= x);

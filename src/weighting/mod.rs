@@ -15,6 +15,7 @@
 //! | [`Power`] | q_i^β / Σ q_k^β | one technique is nearly exact somewhere |
 //! | [`Cutoff`] | q_i / Σ q_k of those with q_k ≥ a max q | the same |
 //! | [`Maximum`] | 1 for the largest q | the limit of the three above |
+//! | [`VarianceAware`] | v_i q_i / Σ v_k q_k | a technique is known to be nearly exact, from earlier samples |
 //! | [`Constant`] | the same for every x | the cheapest: no other pdf is evaluated; every technique must cover f |
 //!
 //! Source: E. Veach and L. J. Guibas, *Optimally Combining Sampling Techniques for Monte Carlo
@@ -25,12 +26,14 @@ mod constant;
 mod cutoff;
 mod maximum;
 mod power;
+mod variance_aware;
 
 pub use balance::Balance;
 pub use constant::Constant;
 pub use cutoff::Cutoff;
 pub use maximum::Maximum;
 pub use power::Power;
+pub use variance_aware::VarianceAware;
 
 use std::fmt::Debug;
 

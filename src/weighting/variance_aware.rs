@@ -1,0 +1,164 @@
+//! Variance-aware weights.
+
+use super::{Densities, Weighting, at};
+use crate::error::{ArgumentError, positive};
+
+/// The least factor over the largest: no sum of products with ratios then leaves the range.
+const LEAST: f64 = 1e-200;
+
+/// The most that [`VarianceAware::factor`] gives.
+const MOST_FACTOR: f64 = 1e6;
+
+/// The balance heuristic with a factor v_i for each technique, w_i = v_i q_i / Σ v_k q_k.
+///
+/// The balance heuristic minimises second moments, not variances, so it does not see that a technique
+/// is nearly exact. With v_i = E\[F_i²\] / V\[F_i\] = 1 + μ² / V_i, F_i being f / p_i at one sample of
+/// technique i and V_i its variance, it does: a technique that is nearly exact takes most of the
+/// weight, and where all are bad, all v_i are near 1, which is the balance heuristic.
+/// [`factor`](VarianceAware::factor) makes them. Only their ratios matter.
+///
+/// **The factors must not come from the samples that are weighted**, but from earlier ones, such as a
+/// pilot of each technique: factors that depend on the samples bias the estimate. Any that do not
+/// leave it unbiased, good or bad. The second moment is at most max v / min v times that of the
+/// balance heuristic. As with that, only the union of the supports must cover f.
+///
+/// ```
+/// use mis::technique::{Linear, Uniform};
+/// use mis::weighting::VarianceAware;
+/// use mis::{Estimator, MultiSample, Technique};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let f = |x: &f64| x + 0.001 * x.sin(); // nearly in proportion to the first density
+/// let ramp = Linear::new(0.0, 1.0, 0.0, 2.0)?;
+/// let flat = Uniform::unit();
+/// let techniques: [&dyn Technique<Point = f64>; 2] = [&ramp, &flat];
+///
+/// let mut factors = Vec::new();
+/// for technique in techniques {
+///     let n = 1000;
+///     let pilot = MultiSample::new(&[(technique, n)])?.estimate(&f, 1)?;
+///     let variance = pilot.variance().unwrap() * n as f64;
+///     factors.push(VarianceAware::factor(pilot.value(), variance));
+/// }
+/// let mis = || MultiSample::new(&[(&ramp, 5000), (&flat, 5000)]);
+/// let balance = mis()?.estimate(&f, 2)?;
+/// let aware = mis()?.weighting(VarianceAware::new(factors)?)?.estimate(&f, 2)?;
+/// assert!(aware.standard_error().unwrap() < 0.01 * balance.standard_error().unwrap());
+/// # Ok(())
+/// # }
+/// ```
+///
+/// Source: P. Grittmann, I. Georgiev, P. Slusallek and J. Křivánek, *Variance-Aware Multiple
+/// Importance Sampling*, ACM Transactions on Graphics 38(6), 2019, doi:10.1145/3355089.3356515.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VarianceAware {
+    /// Over the largest.
+    factors: Vec<f64>,
+}
+
+impl VarianceAware {
+    /// Given factors, one a technique.
+    ///
+    /// # Errors
+    ///
+    /// Every factor must be finite and greater than 0, and at least 1e-200 times the largest.
+    pub fn new(factors: impl Into<Vec<f64>>) -> Result<Self, ArgumentError> {
+        let mut factors = factors.into();
+        let largest = factors.iter().copied().fold(0.0, f64::max);
+        for (i, v) in factors.iter_mut().enumerate() {
+            let argument = format!("factors[{i}]");
+            let given = positive("VarianceAware", argument.clone(), *v)?;
+            *v = given / largest;
+            if !(*v >= LEAST) {
+                let rule = format!("it must be at least 1e-200 times the largest, {largest:?}");
+                return Err(ArgumentError::new("VarianceAware", argument, given, rule));
+            }
+        }
+        Ok(Self { factors })
+    }
+
+    /// v = 1 + mean² / variance, at most 10⁶, of the mean and the variance of f / p at the samples of
+    /// one technique: not of their average, whose variance is less.
+    ///
+    /// It is 1 where the variance is infinite, or one of the two is unknown (NaN), or both are 0.
+    /// It is 10⁶ where the variance alone is 0. A factor bounds how much worse than balance the weights
+    /// can be, and a variance of 0 is often a mistake, of a pilot that missed a peak; and an error that
+    /// is 1/1000 of the other techniques' no longer matters beside them.
+    ///
+    /// ```
+    /// use mis::weighting::VarianceAware;
+    /// assert_eq!(VarianceAware::factor(3.0, 1.0), 10.0);
+    /// assert_eq!(VarianceAware::factor(3.0, f64::INFINITY), 1.0);
+    /// assert_eq!(VarianceAware::factor(3.0, f64::NAN), 1.0);
+    /// assert_eq!(VarianceAware::factor(3.0, 0.0), 1e6);
+    /// ```
+    #[must_use]
+    pub fn factor(mean: f64, variance: f64) -> f64 {
+        // A mean over a deviation, whose squares may be out of range.
+        let ratio = mean / variance.sqrt();
+        if variance == f64::INFINITY || ratio.is_nan() {
+            1.0
+        } else {
+            (1.0 + ratio * ratio).min(MOST_FACTOR)
+        }
+    }
+}
+
+impl Weighting for VarianceAware {
+    fn weight_over_ratio(&self, i: usize, r: &[f64]) -> f64 {
+        let sum = self.factors.iter().zip(r).map(|(v, r)| v * r).sum::<f64>();
+        at(&self.factors, i) * sum.recip()
+    }
+
+    fn weight_over_density_batch(
+        &self,
+        i: usize,
+        q: &Densities<'_>,
+        _: &mut [f64],
+        out: &mut [f64],
+    ) {
+        let rows = || q.rows().zip(&self.factors).map(|((a, p), v)| (a * v, p));
+        super::balance::reciprocal_sums(rows, out);
+        // A reciprocal that is infinite or NaN stays so.
+        let own = at(&self.factors, i);
+        out.iter_mut().for_each(|out| *out *= own);
+    }
+
+    fn check(&self, alpha: &[f64]) -> Result<(), ArgumentError> {
+        if self.factors.len() == alpha.len() {
+            Ok(())
+        } else {
+            let rule = format!("there must be one factor for each of {} techniques", alpha.len());
+            let count = self.factors.len();
+            Err(ArgumentError::new("VarianceAware", "number of factors", count, rule))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::VarianceAware;
+
+    #[test]
+    fn factors_of_extreme_moments() {
+        let factor = VarianceAware::factor;
+        for scale in [1e-300, 1e-200, 1.0, 1e150] {
+            let v = factor(3.0 * scale, scale * scale);
+            let expected = if scale < 1e-160 { 1e6 } else { 10.0 };
+            assert!((v / expected - 1.0).abs() < 1e-14, "{scale}: {v}");
+        }
+        assert_eq!(factor(-3.0, 1.0), 10.0);
+        assert_eq!(factor(1e300, 1.0), 1e6);
+        for (mean, variance) in [
+            (0.0, 0.0),
+            (0.0, 1.0),
+            (f64::NAN, 1.0),
+            (f64::NAN, 0.0),
+            (1.0, f64::NAN),
+            (1.0, -1.0),
+            (1.0, f64::INFINITY),
+            (f64::INFINITY, f64::INFINITY),
+        ] {
+            assert_eq!(factor(mean, variance), 1.0, "{mean} {variance}");
+        }
+    }
+}
