@@ -15,10 +15,10 @@ pub use controls::Controls;
 pub(crate) use evidence::{Evidence, Seen};
 pub(crate) use kept::Kept;
 pub(crate) use kernel::{Buffers, Sums};
-pub(crate) use regression::{Regression, Solution};
 pub use multi_sample::MultiSample;
 pub use one_sample::OneSample;
 pub use optimal::{Fit, OptimalEstimate, OptimalMis};
+pub(crate) use regression::{Regression, Solution};
 pub use sample::{OnFault, Sample};
 
 use std::fmt::Debug;

@@ -13,7 +13,11 @@ const ROWS: usize = 24;
 impl Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.write_reasons(f)?;
-        writeln!(f, "\n{:<28} {:>10} {:>7} {:>10} {:>10}  shares", "method", "N·variance", "±", "cost", "efficiency")?;
+        writeln!(
+            f,
+            "\n{:<28} {:>10} {:>7} {:>10} {:>10}  shares",
+            "method", "N·variance", "±", "cost", "efficiency"
+        )?;
         let best = self.predictions.iter().map(|p| p.efficiency).fold(0.0, f64::max);
         for p in self.predictions.iter().take(ROWS) {
             let name = format!("{}{}", p.method, if p.optimised { ", opt." } else { "" });
@@ -88,7 +92,10 @@ impl<V: Value> Display for Integral<V> {
         if let Some(prediction) = plan.prediction() {
             let samples = prediction.samples_for(target, &plan.pilot_value);
             if samples.is_finite() && samples > 0.0 {
-                writeln!(f, "  predicted: {samples:.2e} samples for the tolerance, before they are confirmed")?;
+                writeln!(
+                    f,
+                    "  predicted: {samples:.2e} samples for the tolerance, before they are confirmed"
+                )?;
             }
         }
         write!(f, "\n{report}")

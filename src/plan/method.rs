@@ -6,7 +6,9 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{ArgumentError, EstimateError};
-use crate::estimator::{Buffers, Controls, Draw, Frame, MultiSample, OnFault, OneSample, Sample, Sums};
+use crate::estimator::{
+    Buffers, Controls, Draw, Frame, MultiSample, OnFault, OneSample, Sample, Sums,
+};
 use crate::integrand::Integrand;
 use crate::points::PointSource;
 use crate::technique::Technique;
@@ -81,7 +83,6 @@ impl Display for Method {
 /// The estimator of a [`Plan`](crate::Plan): what a [`Run`](crate::Run) executes.
 pub struct Planned<'a, P>(Inner<'a, P>);
 
-#[derive(Debug)]
 enum Inner<'a, P> {
     Multi(MultiSample<'a, P, Box<dyn Weighting>>),
     One(OneSample<'a, P>),
@@ -173,6 +174,9 @@ impl<P: Debug> Draw<P> for Planned<'_, P> {
 
 impl<P> Debug for Planned<'_, P> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
+        match &self.0 {
+            Inner::Multi(multi) => multi.fmt(f),
+            Inner::One(one) => one.fmt(f),
+        }
     }
 }

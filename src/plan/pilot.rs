@@ -156,9 +156,7 @@ impl Planner {
             .iter()
             .zip(techniques)
             // Without a clock where costs are declared.
-            .map(|(timed, plain)| {
-                (if self.costs.is_some() { *plain } else { timed as _ }, samples)
-            })
+            .map(|(timed, plain)| (if self.costs.is_some() { *plain } else { timed as _ }, samples))
             .collect();
         let mis = MultiSample::new(&list)?.on_fault(self.on_fault);
         let mut part = Part::empty(k, 1, F::Value::COMPONENTS);
@@ -270,15 +268,26 @@ impl Pilot {
         let k = self.data.techniques;
         let equal = vec![1.0 / k as f64; k];
         method.weighting()?.check(&equal)?;
-        let each = match method {
-            Method::Balance | Method::OneSample | Method::Single(_) => 1,
-            _ => k,
+        let (each, most) = match method {
+            Method::Balance | Method::OneSample | Method::Single(_) => (1, 60),
+            Method::Optimal(_) | Method::Constant(_) => (k, 40),
+            // Each evaluation takes longer, and a slope takes K + 1 of them.
+            _ => (8 * k, 12),
         };
         let data = self.data.thinned(OPERATIONS / each);
-        Ok(allocation::optimise(&equal, self.floor, |shares| {
+        let total = |shares: &[f64]| -> Option<f64> {
+            let (_, forecast) = forecasted(&data, method, shares, &self.scales).ok()?;
+            Some(forecast.total(&self.scales))
+        };
+        Ok(allocation::optimise(&equal, self.floor, most, |shares| {
             let (_, forecast) = forecasted(&data, method, shares, &self.scales).ok()?;
             let costs = self.costs.of(method, shares, self.combining(method));
-            Some((forecast.total(&self.scales), forecast.gradient, costs))
+            let v = forecast.total(&self.scales);
+            let gradient = match forecast.gradient {
+                Some(gradient) => gradient,
+                None => slope(shares, v, total)?,
+            };
+            Some((v, gradient, costs))
         }))
     }
 
@@ -356,19 +365,28 @@ impl Pilot {
         let data = thinned.as_ref().unwrap_or(&self.data);
         let (method, forecast) = forecasted(data, method, &shares, &self.scales)?;
         let of = self.costs.of(&method, &shares, self.combining(&method));
-        let cost = shares.iter().zip(of).map(|(share, cost)| share * cost).sum();
+        let cost: f64 = shares.iter().zip(of).map(|(share, cost)| share * cost).sum();
         let efficiency = (forecast.total(&self.scales) * cost).recip();
         let signal = self.scales.iter().any(|scale| *scale > 0.0);
         let uncertain = forecast.uncertainty.iter().any(|u| !(*u <= UNCERTAIN));
         let caution = match forecast.uncovered {
             _ if !signal => Some(Caution::NoSignal),
             Some(technique) => Some(Caution::Biased { technique }),
-            None if forecast.heavy => Some(Caution::HeavyTail),
+            None if forecast.is_heavy() => Some(Caution::HeavyTail),
             None if uncertain => Some(Caution::Uncertain),
             None => None,
         };
         let Forecast { variance, uncertainty, .. } = forecast;
-        Ok(Prediction { method, shares, optimised, variance, uncertainty, cost, efficiency, caution })
+        Ok(Prediction {
+            method,
+            shares,
+            optimised,
+            variance,
+            uncertainty,
+            cost,
+            efficiency,
+            caution,
+        })
     }
 
     fn combining(&self, method: &Method) -> f64 {
@@ -440,6 +458,20 @@ fn forecasted(
     Ok((method, forecast))
 }
 
+/// -∂V/∂α_k by differences, for V as it falls with numbers of samples: 1/s if all shares grow by s.
+fn slope(shares: &[f64], v: f64, total: impl Fn(&[f64]) -> Option<f64>) -> Option<Vec<f64>> {
+    const STEP: f64 = 1e-3;
+    let one = |k: usize| {
+        let mut more = shares.to_vec();
+        more[k] *= 1.0 + STEP;
+        let sum: f64 = more.iter().sum();
+        more.iter_mut().for_each(|share| *share /= sum);
+        // V of shares that do not sum to 1 is less by their sum.
+        Some((v - total(&more)? / sum) / (STEP * shares[k]))
+    };
+    (0..shares.len()).map(one).collect()
+}
+
 fn cost_of(combining: &[(Method, f64)], method: &Method) -> Option<f64> {
     let kind = discriminant(method);
     combining.iter().find(|(known, _)| discriminant(known) == kind).map(|(_, cost)| *cost)
@@ -470,7 +502,8 @@ fn combining<P: Debug, V: Value>(
         let mut least = f64::INFINITY;
         let mut buffers = Buffers::new();
         for repetition in 0..4 {
-            let timed: Vec<_> = techniques.iter().map(|inner| TimedTechnique::new(*inner)).collect();
+            let timed: Vec<_> =
+                techniques.iter().map(|inner| TimedTechnique::new(*inner)).collect();
             let list: Vec<&dyn Technique<Point = P>> = timed.iter().map(|t| t as _).collect();
             let mut counts = vec![each; k];
             if let Method::Single(_) = method {

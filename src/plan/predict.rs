@@ -14,11 +14,11 @@ pub(super) struct Forecast {
     pub(super) variance: Vec<f64>,
     /// Its standard error, over it.
     pub(super) uncertainty: Vec<f64>,
-    /// How the variance falls as a technique gets more samples, -∂V/∂n_k per sample, all components
-    /// together.
-    pub(super) gradient: Vec<f64>,
-    /// Whether few samples make up the variance, so that it may be far larger than it looks.
-    pub(super) heavy: bool,
+    /// How the variance falls as a technique gets more samples, -∂V/∂α_k, all components together;
+    /// `None` where the weights change with the shares.
+    pub(super) gradient: Option<Vec<f64>>,
+    /// Whose means the variances are.
+    terms: Vec<Vec<f64>>,
     /// A technique that is relied on where it does not reach.
     pub(super) uncovered: Option<usize>,
 }
@@ -30,6 +30,20 @@ impl Forecast {
     /// The components' variances over their scales, added up.
     pub(super) fn total(&self, scales: &[f64]) -> f64 {
         self.variance.iter().zip(scales).map(|(v, s)| v * s).sum()
+    }
+
+    /// Whether few samples make up a variance, so that it may be far larger than it looks.
+    pub(super) fn is_heavy(&self) -> bool {
+        self.terms.iter().any(|terms| {
+            let mut positive: Vec<f64> = terms.iter().copied().filter(|t| *t > 0.0).collect();
+            let n = positive.len();
+            // More than it ever looks at.
+            let tail = n.saturating_sub(300);
+            if tail > 0 {
+                positive.select_nth_unstable_by(tail, f64::total_cmp);
+            }
+            k_hat(&positive[tail..], n as u64).is_some_and(|k| k >= HEAVY)
+        })
     }
 }
 
@@ -51,14 +65,15 @@ pub(super) fn forecast(
     let mut result = Forecast {
         variance: Vec::new(),
         uncertainty: Vec::new(),
-        gradient: vec![0.0; data.techniques],
-        heavy: false,
+        gradient: None,
+        terms: Vec::new(),
         uncovered: None,
     };
+    let mut gradient = vec![0.0; data.techniques];
     for (c, scale) in scales.iter().enumerate().take(data.components()) {
         let mut terms = vec![0.0; n];
         match method {
-            Method::Balance | Method::Single(_) | Method::OneSample | Method::Optimal(_) => {
+            _ if shares_one_contribution(method) => {
                 let mut g: Vec<f64> = data.y(c).iter().zip(&s).map(|(y, s)| y / s).collect();
                 if let Method::Optimal(controls) = method {
                     subtract(&mut g, controls, c, data, &s);
@@ -70,7 +85,7 @@ pub(super) fn forecast(
                     }
                     *g = 0.0;
                 }
-                shared(data, method, shares, &g, &s, &mut terms, &mut result.gradient, *scale);
+                shared(data, method, shares, &g, &s, &mut terms, &mut gradient, *scale);
             }
             _ => {
                 for i in (0..data.techniques).filter(|i| shares[*i] > 0.0) {
@@ -82,7 +97,7 @@ pub(super) fn forecast(
                             *t += alpha * d * (g - mean).powi(2);
                         }
                     }
-                    result.gradient[i] += scale * data.expected(i, |j| (g[j] - mean).powi(2));
+                    gradient[i] += scale * data.expected(i, |j| (g[j] - mean).powi(2));
                     if matches!(method, Method::Constant(weights) if weights[i] > 0.0) {
                         let misses = |(d, y): (&f64, &f64)| *d == 0.0 && *y != 0.0;
                         let uncovered = data.d(i).iter().zip(data.y(c)).any(misses);
@@ -95,10 +110,17 @@ pub(super) fn forecast(
         result.variance.push(variance);
         // Equal contributions have no variance that could be wrong.
         result.uncertainty.push(if variance > 0.0 { error / variance } else { 0.0 });
-        let positive = terms.iter().filter(|t| **t > 0.0).count() as u64;
-        result.heavy |= k_hat(&terms, positive).is_some_and(|k| k >= HEAVY);
+        result.terms.push(terms);
     }
+    let fixed = matches!(method, Method::Constant(_)) || shares_one_contribution(method);
+    result.gradient = fixed.then_some(gradient);
     Ok(result)
+}
+
+/// Whether a sample contributes the same, whatever technique drew it.
+fn shares_one_contribution(method: &Method) -> bool {
+    use Method::{Balance, OneSample, Optimal, Single};
+    matches!(method, Balance | Single(_) | OneSample | Optimal(_))
 }
 
 /// The terms of a variance, and its gradient, where samples of all techniques contribute the same g.

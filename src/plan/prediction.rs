@@ -55,8 +55,12 @@ impl Display for Caution {
             Self::Biased { technique } => {
                 write!(f, "biased: technique {technique} does not reach all of f")
             }
-            Self::HeavyTail => f.write_str("few samples make up the variance, it may be far larger"),
-            Self::Uncertain => f.write_str("the pilot is too small to tell the variance within 20 %"),
+            Self::HeavyTail => {
+                f.write_str("few samples make up the variance, it may be far larger")
+            }
+            Self::Uncertain => {
+                f.write_str("the pilot is too small to tell the variance within 20 %")
+            }
             Self::NoSignal => f.write_str("no sample of the pilot met f"),
         }
     }

@@ -83,8 +83,8 @@ mod threads;
 mod tree;
 mod worker;
 
-pub(crate) use k_hat::k_hat;
 pub use error::{CheckpointError, RunError, RunFault};
+pub(crate) use k_hat::k_hat;
 pub use progress::{Cancel, Progress};
 pub use report::{Report, RoundSummary};
 pub use status::{Doubt, Status, Stop};
