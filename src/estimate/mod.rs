@@ -133,6 +133,11 @@ impl<V: Value> Estimate<V> {
         estimate
     }
 
+    /// What the samples came to.
+    pub(crate) fn part(&self) -> &Part {
+        &self.part
+    }
+
     /// The estimate of ∫ f.
     #[must_use]
     pub fn value(&self) -> V::Each<f64> {

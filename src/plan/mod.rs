@@ -43,6 +43,7 @@
 //! # }
 //! ```
 
+mod adaptive;
 mod allocation;
 mod cost;
 mod data;
@@ -52,6 +53,7 @@ mod pilot;
 mod predict;
 mod prediction;
 
+pub use adaptive::{Adapted, AdaptedRound, Adaptive};
 pub use allocation::Allocation;
 pub use cost::Costs;
 pub use method::{Method, Planned};

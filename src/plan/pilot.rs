@@ -438,7 +438,7 @@ fn worth(prediction: &Prediction) -> f64 {
 }
 
 /// The forecast for a method; for optimal MIS, with the controls that are best for the shares.
-fn forecasted(
+pub(super) fn forecasted(
     data: &Data,
     method: &Method,
     shares: &[f64],
