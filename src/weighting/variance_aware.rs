@@ -122,7 +122,9 @@ impl Weighting for VarianceAware {
         super::balance::reciprocal_sums(rows, out);
         // A reciprocal that is infinite or NaN stays so.
         let own = at(&self.factors, i);
-        out.iter_mut().for_each(|out| *out *= own);
+        for out in out {
+            *out *= own;
+        }
     }
 
     fn check(&self, alpha: &[f64]) -> Result<(), ArgumentError> {
@@ -178,7 +180,7 @@ mod tests {
     #[test]
     fn equal_factors_are_the_balance_heuristic() {
         let (points, alpha) = (37, [0.2, 0.5, 0.3]);
-        let pdfs: Vec<f64> = (0..3 * points).map(|k| f64::from(k as u32 * 37 % 101)).collect();
+        let pdfs: Vec<f64> = (0..3 * points).map(|k| (k * 37 % 101) as f64).collect();
         let q = Densities::new(&alpha, &pdfs, points);
         for v in [1.0, 0.3, 1e300] {
             let aware = aware(&[v; 3]);
@@ -197,7 +199,7 @@ mod tests {
     #[test]
     fn blocks_are_many_points() {
         let (points, a) = (37, [0.2, 0.5, 0.3]);
-        let pdfs: Vec<f64> = (0..3 * points).map(|k| f64::from(1 + k as u32 * 37 % 101)).collect();
+        let pdfs: Vec<f64> = (0..3 * points).map(|k| (1 + k * 37 % 101) as f64).collect();
         let q = Densities::new(&a, &pdfs, points);
         let aware = aware(&[1e5, 4.0, 1.0]);
         for i in 0..3 {

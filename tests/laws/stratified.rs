@@ -124,10 +124,11 @@ fn streams_seeds_blocks_and_coordinates_are_independent() {
 /// random numbers, (1/12)² / S, and nothing is gained.
 #[test]
 fn variances_of_block_means() {
+    type Of = fn(&[f64]) -> f64;
     const STREAMS: usize = 8192;
     for strata in [2_usize, 3, 8, 50] {
         let s = strata as f64;
-        let mean = |f: fn(&[f64]) -> f64| -> Vec<f64> {
+        let mean = |f: Of| -> Vec<f64> {
             let of = |stream| {
                 points(strata, stream, 5 * strata as u64, 2, strata).chunks(2).map(f).sum::<f64>()
                     / s
@@ -137,7 +138,7 @@ fn variances_of_block_means() {
         let covariance = (1.0 - 1.0 / (s * s)) / (12.0 * (s - 1.0));
         let product = (1.0 / 144.0 + (s - 1.0) * covariance * covariance) / s;
         let sum = 1.0 / (12.0 * s.powi(3));
-        let cases: [(&str, fn(&[f64]) -> f64, f64); 3] = [
+        let cases: [(&str, Of, f64); 3] = [
             ("x", |x| x[0] - 0.5, sum),
             ("x - 2 y", |x| x[0] - 2.0 * x[1] + 0.5, 5.0 * sum),
             ("x y", |x| (x[0] - 0.5) * (x[1] - 0.5), product),
