@@ -7,7 +7,7 @@ use mis::technique::{
     Cauchy, Exponential, Linear, Mixture, Normal, PiecewiseConstant, PowerLaw, ProductVec,
     TruncatedNormal, Uniform,
 };
-use mis::weighting::{Constant, Cutoff, Power};
+use mis::weighting::{Constant, Cutoff, Power, VarianceAware};
 use mis::{ArgumentError, EstimateError, Estimator, MultiSample, OneSample, Technique};
 
 fn unit() -> Uniform {
@@ -95,6 +95,23 @@ fn constant_weights_that_do_not_fit() {
     assert_names(mis().weighting(three), "Constant", "weights", "[0.25, 0.25, 0.5]");
     let half = Constant::new([0.5, 0.5]).unwrap();
     assert_names(mis().weighting(half), "Constant", "weights[1]", "0.5");
+}
+
+#[test]
+fn variance_aware_factors_that_do_not_fit() {
+    let owner = "VarianceAware";
+    for (bad, value) in [(0.0, "0.0"), (-1.0, "-1.0"), (f64::NAN, "NaN"), (f64::INFINITY, "inf")] {
+        assert_names(VarianceAware::new([1.0, bad]), owner, "factors[1]", value);
+    }
+    assert_names(VarianceAware::new([1e-101, 1e100]), owner, "factors[0]", "1e-101");
+    assert_names(VarianceAware::new([f64::MAX, 1.0]), owner, "factors[1]", "1.0");
+    let p = unit();
+    let mis = || MultiSample::new(&[(&p, 1), (&p, 0)]).unwrap();
+    for (factors, count) in [(vec![], "0"), (vec![1.0], "1"), (vec![1.0; 3], "3")] {
+        let weighting = VarianceAware::new(factors).unwrap();
+        assert_names(mis().weighting(weighting), owner, "number of factors", count);
+    }
+    assert!(mis().weighting(VarianceAware::new([2.0, 1e6]).unwrap()).is_ok());
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 use mis::points::{Random, Replay};
 use mis::technique::{Linear, Normal, PowerLaw, Product, ProductVec, Uniform};
-use mis::weighting::{Balance, Constant, Cutoff, Maximum, Power};
+use mis::weighting::{Balance, Constant, Cutoff, Maximum, Power, VarianceAware};
 use mis::{Estimate, Estimator, LnValue, MultiSample, OneSample, Technique};
 
 fn uniform(a: f64, b: f64) -> Uniform {
@@ -255,6 +255,7 @@ fn a_single_technique_is_plain_importance_sampling_under_every_weighting() {
         mis().weighting(Power::new(0.0).unwrap()).unwrap().estimate(&f, 1).unwrap(),
         mis().weighting(Cutoff::new(0.5).unwrap()).unwrap().estimate(&f, 1).unwrap(),
         mis().weighting(Maximum).unwrap().estimate(&f, 1).unwrap(),
+        mis().weighting(VarianceAware::new([7.0]).unwrap()).unwrap().estimate(&f, 1).unwrap(),
         mis().weighting(Constant::equal()).unwrap().estimate(&f, 1).unwrap(),
     ];
     for estimate in values {

@@ -4,7 +4,9 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use mis::points::Replay;
-use mis::weighting::{Balance, Constant, Cutoff, Maximum, Power, Weighting, weights};
+use mis::weighting::{
+    Balance, Constant, Cutoff, Maximum, Power, VarianceAware, Weighting, weights,
+};
 use mis::{EstimateError, Estimator, MultiSample, OnFault, OneSample, Technique};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -55,6 +57,12 @@ fn applied(weighting: impl Weighting, q: &[f64]) -> Result<Vec<f64>, EstimateErr
     Ok(w)
 }
 
+/// Factors of 1 to 10⁶, as many as there are densities.
+fn aware(q: &[f64]) -> VarianceAware {
+    let factors: Vec<f64> = [1.0, 1e6, 30.0].into_iter().cycle().take(q.len()).collect();
+    VarianceAware::new(factors).unwrap()
+}
+
 #[track_caller]
 fn assert_weights(weighting: impl Weighting + Clone, q: &[f64], expected: &[f64]) {
     let tolerance = 1e-12;
@@ -86,6 +94,9 @@ fn subnormal_densities_are_densities() {
     }
     assert_weights(Balance, &[5e-324, 5e-324], &[0.5, 0.5]);
     assert_weights(Maximum, &[5e-324, 5e-324], &[0.5, 0.5]);
+    let least = VarianceAware::new([1e-200, 1.0]).unwrap();
+    assert_weights(least.clone(), &[5e-324, 5e-324], &[1e-200, 1.0]);
+    assert_weights(least, &[1e300, 1e100], &[0.5, 0.5]);
     assert_weights(Power::new(f64::INFINITY).unwrap(), &[5e-324, 5e-324], &[0.5, 0.5]);
     // A ratio that is subnormal has lost digits, and its root would show it.
     let w = 3e-308_f64.sqrt() / 1e15_f64.sqrt();
@@ -107,6 +118,7 @@ fn an_infinite_density_takes_all_the_weight_and_several_share_it() {
         assert_eq!(weights(&Balance, &q), Some(vec![1.0, 0.0]));
         assert_eq!(weights(&Power::squared(), &q), Some(vec![1.0, 0.0]));
         assert_eq!(weights(&Maximum, &q), Some(vec![1.0, 0.0]));
+        assert_eq!(weights(&aware(&q), &q), Some(vec![1.0, 0.0]));
     }
     assert_eq!(weights(&Balance, &[inf, 1.0, inf]), Some(vec![0.5, 0.0, 0.5]));
     assert_eq!(weights(&Power::new(0.5).unwrap(), &[inf, 1.0]), Some(vec![1.0, 0.0]));
@@ -280,6 +292,7 @@ fn the_weights_sum_to_1_over_all_exponents() {
             weights(&Power::new(7.5).unwrap(), &q),
             weights(&Cutoff::new(0.3).unwrap(), &q),
             weights(&Maximum, &q),
+            weights(&aware(&q), &q),
             weights(&Constant::equal(), &q),
         ];
         for (name, w) in sums.into_iter().enumerate() {
@@ -307,11 +320,12 @@ fn a_boxed_weighting_is_the_weighting() {
         };
         w(0) * 3.0 / 0.5 + w(1) * 5.0 / 2.0
     };
-    let list: [Box<dyn Weighting>; 5] = [
+    let list: [Box<dyn Weighting>; 6] = [
         Box::new(Balance),
         Box::new(Power::new(0.5).unwrap()),
         Box::new(Cutoff::new(0.6).unwrap()),
         Box::new(Maximum),
+        Box::new(VarianceAware::new([3.0, 1.0]).unwrap()),
         Box::new(Constant::new([0.25, 0.75]).unwrap()),
     ];
     for weighting in &list {
@@ -347,6 +361,7 @@ proptest! {
             (weights(&power, &q), applied(power, &q)),
             (weights(&cutoff, &q), applied(cutoff, &q)),
             (weights(&Maximum, &q), applied(Maximum, &q)),
+            (weights(&aware(&q), &q), applied(aware(&q), &q)),
             (weights(&Constant::equal(), &q), applied(Constant::equal(), &q)),
         ] {
             for (stated, applied) in stated.unwrap().iter().zip(applied.unwrap()) {
@@ -369,5 +384,6 @@ proptest! {
         let power = Power::new(beta).unwrap();
         prop_assert_eq!(weights(&power, &q), weights(&power, &scaled));
         prop_assert_eq!(weights(&Maximum, &q), weights(&Maximum, &scaled));
+        prop_assert_eq!(weights(&aware(&q), &q), weights(&aware(&q), &scaled));
     }
 }

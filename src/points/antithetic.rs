@@ -79,13 +79,16 @@ impl PointSource for Antithetic {
         let pairs = (rows + odd).div_ceil(2);
         let front = xi.len().min(pairs.saturating_mul(dimension));
         Random::new(hash(5, &[self.seed])).fill(stream, first / 2, dimension, &mut xi[..front])?;
-        // From the last sample down: no pair lies behind its samples.
-        for row in (0..rows).rev() {
-            let (from, to) = ((row + odd) / 2 * dimension, row * dimension);
+        // From the last sample down, counted from the first of its pair: no pair lies behind its
+        // samples.
+        for sample in (odd..rows + odd).rev() {
+            let (from, to) = (sample / 2 * dimension, (sample - odd) * dimension);
             let length = dimension.min(xi.len() - to);
             xi.copy_within(from..from + length, to);
-            if (row + odd) % 2 == 1 {
-                xi[to..to + length].iter_mut().for_each(|u| *u = 1.0 - *u);
+            if sample % 2 == 1 {
+                for u in &mut xi[to..to + length] {
+                    *u = 1.0 - *u;
+                }
             }
         }
         Ok(())

@@ -63,15 +63,17 @@ impl VarianceAware {
     /// Every factor must be finite and greater than 0, and at least 1e-200 times the largest.
     pub fn new(factors: impl Into<Vec<f64>>) -> Result<Self, ArgumentError> {
         let mut factors = factors.into();
+        let name = |i| format!("factors[{i}]");
+        for (i, v) in factors.iter().enumerate() {
+            positive("VarianceAware", name(i), *v)?;
+        }
         let largest = factors.iter().copied().fold(0.0, f64::max);
         for (i, v) in factors.iter_mut().enumerate() {
-            let argument = format!("factors[{i}]");
-            let given = positive("VarianceAware", argument.clone(), *v)?;
-            *v = given / largest;
-            if !(*v >= LEAST) {
+            if *v / largest < LEAST {
                 let rule = format!("it must be at least 1e-200 times the largest, {largest:?}");
-                return Err(ArgumentError::new("VarianceAware", argument, given, rule));
+                return Err(ArgumentError::new("VarianceAware", name(i), *v, rule));
             }
+            *v /= largest;
         }
         Ok(Self { factors })
     }
@@ -120,7 +122,9 @@ impl Weighting for VarianceAware {
         super::balance::reciprocal_sums(rows, out);
         // A reciprocal that is infinite or NaN stays so.
         let own = at(&self.factors, i);
-        out.iter_mut().for_each(|out| *out *= own);
+        for out in out {
+            *out *= own;
+        }
     }
 
     fn check(&self, alpha: &[f64]) -> Result<(), ArgumentError> {
@@ -136,7 +140,86 @@ impl Weighting for VarianceAware {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Balance, Densities, Weighting, weights};
     use super::VarianceAware;
+
+    fn aware(factors: &[f64]) -> VarianceAware {
+        VarianceAware::new(factors).unwrap()
+    }
+
+    #[test]
+    fn weights_are_those_of_the_products() {
+        let w = weights(&aware(&[3.0, 1.0]), &[1.0, 1.0]).unwrap();
+        assert_eq!(w, [0.75, 0.25]);
+        assert_eq!(weights(&aware(&[1e6, 1.0]), &[0.0, 5.0]), Some(vec![0.0, 1.0]));
+        // Of a product and a sum: three roundings and a reciprocal.
+        let (v, q) = ([1e6, 7.0, 1.0, 3.0], [1e-7, 0.3, 0.0, 2.0]);
+        let w = weights(&aware(&v), &q).unwrap();
+        let sum: f64 = v.iter().zip(q).map(|(v, q)| v * q).sum();
+        for (w, (v, q)) in w.iter().zip(v.iter().zip(q)) {
+            assert!((w - v * q / sum).abs() <= 8.0 * f64::EPSILON * w, "{w}");
+        }
+        assert!((w.iter().sum::<f64>() - 1.0).abs() <= 8.0 * f64::EPSILON);
+    }
+
+    /// Factors from 1 to `v` of the first technique lead from balance to all of the weight.
+    #[test]
+    fn a_great_factor_takes_the_weight() {
+        let (q, mut last) = ([1.0, 10.0], 0.0);
+        for exponent in 0..200 {
+            let w = weights(&aware(&[10_f64.powi(exponent), 1.0]), &q).unwrap();
+            assert!(w[0] > last || w[0] == 1.0, "{w:?}");
+            let other = 1.0 / (0.1 * 10_f64.powi(exponent) + 1.0);
+            assert!((w[1] / other - 1.0).abs() < 1e-14, "{w:?}");
+            last = w[0];
+        }
+        assert_eq!(last, 1.0);
+    }
+
+    /// By the bits, alone and in blocks.
+    #[test]
+    fn equal_factors_are_the_balance_heuristic() {
+        let (points, alpha) = (37, [0.2, 0.5, 0.3]);
+        let pdfs: Vec<f64> = (0..3 * points).map(|k| (k * 37 % 101) as f64).collect();
+        let q = Densities::new(&alpha, &pdfs, points);
+        for v in [1.0, 0.3, 1e300] {
+            let aware = aware(&[v; 3]);
+            for i in 0..3 {
+                let [mut own, mut balance, mut r] = [(); 3].map(|()| vec![f64::NAN; points]);
+                aware.weight_over_density_batch(i, &q, &mut r, &mut own);
+                Balance.weight_over_density_batch(i, &q, &mut r, &mut balance);
+                assert_eq!(own, balance);
+                let r = [0.7, 1.0, 0.1];
+                assert_eq!(aware.weight_over_ratio(i, &r), Balance.weight_over_ratio(i, &r));
+            }
+        }
+    }
+
+    /// A block's quotients are those at one point.
+    #[test]
+    fn blocks_are_many_points() {
+        let (points, a) = (37, [0.2, 0.5, 0.3]);
+        let pdfs: Vec<f64> = (0..3 * points).map(|k| (1 + k * 37 % 101) as f64).collect();
+        let q = Densities::new(&a, &pdfs, points);
+        let aware = aware(&[1e5, 4.0, 1.0]);
+        for i in 0..3 {
+            let [mut out, mut r] = [(); 2].map(|()| vec![f64::NAN; points]);
+            aware.weight_over_density_batch(i, &q, &mut r, &mut out);
+            for (j, out) in out.iter().enumerate() {
+                let q: Vec<f64> = (0..3).map(|k| a[k] * pdfs[k * points + j]).collect();
+                let w = weights(&aware, &q).unwrap()[i];
+                assert!((out * q[i] / w - 1.0).abs() <= 8.0 * f64::EPSILON, "{i} {j}");
+            }
+        }
+        // Where the sum leaves the range, the quotient shows it.
+        for extreme in [1e-310, 1e300] {
+            let [mut out, mut r] = [(); 2].map(|()| vec![0.0; 1]);
+            let pdfs = [extreme; 3];
+            let q = Densities::new(&a, &pdfs, 1);
+            aware.weight_over_density_batch(2, &q, &mut r, &mut out);
+            assert!(!out[0].is_finite(), "{out:?}");
+        }
+    }
 
     #[test]
     fn factors_of_extreme_moments() {

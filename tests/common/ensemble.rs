@@ -1,7 +1,9 @@
 //! Ensembles: many estimates from fixed seeds, and what their spread says.
 
 use mis::ArgumentError;
-use mis::weighting::{Balance, Constant, Cutoff, Densities, Maximum, Power, Weighting};
+use mis::weighting::{
+    Balance, Constant, Cutoff, Densities, Maximum, Power, VarianceAware, Weighting,
+};
 
 /// |z| beyond which a figure fails: 1e-5 each, 1e-3 for a family of a hundred.
 pub(crate) const Z: f64 = 4.42;
@@ -28,6 +30,10 @@ impl Any {
 
     pub(crate) fn maximum() -> Self {
         Self::new("maximum", Maximum)
+    }
+
+    pub(crate) fn variance_aware(factors: &[f64]) -> Self {
+        Self::new("variance-aware", VarianceAware::new(factors).unwrap())
     }
 
     pub(crate) fn constant(name: &str, weights: &[f64]) -> Self {

@@ -5,6 +5,7 @@
 #[path = "../common/ensemble.rs"]
 mod ensemble;
 
+mod dependent;
 mod estimates;
 mod measure;
 mod replicates;

@@ -47,6 +47,7 @@ macro_rules! laws {
     )*};
 }
 
+mod antithetic;
 mod batch;
 mod closed_forms;
 mod golden;
@@ -54,4 +55,5 @@ mod points;
 mod random;
 mod sobol;
 mod statrs_bounds;
+mod stratified;
 mod wrappers;

@@ -18,6 +18,10 @@ laws! {
         splits: vec![1e-300, 1.0], tail_from: 1e-15;
     piecewise_table: PiecewiseConstant::tabulate(0.0, FRAC_PI_2, 16, f64::sin),
         splits: (1..16).map(|k| FRAC_PI_2 * (f64::from(k) / 16.0)).collect();
+    piecewise_compensated: PiecewiseConstant::new(&[0.0, 0.5, 2.0, 2.25, 7.0], &[1.0, 3.0, 0.5, 2.0])
+        .unwrap().compensated(1.0), splits: vec![2.0, 2.25];
+    piecewise_table_compensated: PiecewiseConstant::tabulate(0.0, FRAC_PI_2, 16, |x| (3.0 * x).cos().abs())
+        .unwrap().compensated(0.75), splits: (1..16).map(|k| FRAC_PI_2 * (f64::from(k) / 16.0)).collect();
     piecewise_one_ulp: PiecewiseConstant::new(&[1.0, 1.0 + f64::EPSILON], &[1.0]), resolved: false;
 }
 

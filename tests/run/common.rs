@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use mis::points::{PointSource, Random, Sobol};
+use mis::points::{Antithetic, PointSource, Random, Sobol, Stratified};
 use mis::technique::{Linear, PiecewiseConstant, Uniform, canonical};
 use mis::weighting::Constant;
 use mis::{
@@ -304,6 +304,8 @@ where
 /// Runs of at least two rounds, the last of them cut, and its last chunk too.
 pub(crate) fn cases() -> Vec<Case> {
     use mis::weighting::{Balance, Power};
+    let pairs: Points = |seed| Box::new(Antithetic::new(seed).with_replicates(4).unwrap());
+    let strata: Points = |seed| Box::new(Stratified::new(seed, 7).unwrap());
     let own = Target::new();
     let error = OnFault::Error;
     let zero = OnFault::count_as_zero(0.1).unwrap();
@@ -317,8 +319,11 @@ pub(crate) fn cases() -> Vec<Case> {
         multi("tolerance", random, tolerance, Balance, error, f),
         multi("tolerance, replicates", sobol, finer, Balance, error, f),
         multi("vector, replicates", sobol, own, Balance, error, vector),
+        multi("antithetic pairs", pairs, own, Balance, error, f),
+        multi("strata", strata, own, Balance, error, vector),
         one_sample("one-sample", random),
         one_sample("one-sample, replicates", sobol),
+        one_sample("one-sample, strata", strata),
         tally("tally", random),
         tally("tally, replicates", sobol),
     ]

@@ -86,6 +86,9 @@ impl Battery {
             Any::power(1.5),
             Any::cutoff(0.3),
             Any::maximum(),
+            Any::variance_aware(
+                &[10.0, 1.0, 3.0].repeat(case.techniques.len())[..case.techniques.len()],
+            ),
         ];
         if case.covered {
             weightings.push(Any::equal());

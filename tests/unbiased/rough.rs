@@ -35,6 +35,7 @@ pub(crate) fn rough(size: Size) -> Battery {
             spread: 2.0,
         },
     );
+    compensated(size, &mut battery);
     let halves = PiecewiseConstant::new(&[0.0, 0.5, 1.0], &[1.0, 2.0]).unwrap();
     let part = Uniform::new(0.4, 0.7).unwrap();
     battery.check(
@@ -103,4 +104,24 @@ pub(crate) fn rough(size: Size) -> Battery {
         },
     );
     battery
+}
+
+/// A table that alone would miss most of the integral, beside one that covers it.
+fn compensated(size: Size, battery: &mut Battery) {
+    let unit = Uniform::unit();
+    let above = |x: f64| 0.2 + (-200.0 * (x - 0.7).powi(2)).exp();
+    let table = PiecewiseConstant::tabulate(0.0, 1.0, 32, above).unwrap();
+    let compensated = table.compensated(1.0).unwrap();
+    assert!(compensated.pdf(&0.1) == 0.0 && compensated.pdf(&0.7) > 2.0);
+    battery.check(
+        size,
+        &Case {
+            name: "compensated table",
+            f: |x: &f64| if *x < 0.75 { 1.0 - x } else { 3.0 },
+            integral: &[0.75 - 0.5 * 0.75 * 0.75 + 0.75],
+            techniques: &[&compensated, &unit],
+            covered: false,
+            spread: 2.0,
+        },
+    );
 }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::SQRT_2;
 
+use mis::weighting::VarianceAware;
+
 use crate::ensemble::Any;
 use crate::example::{Example, FULL, Limits, Model, QUICK};
 use crate::examples::{ENDS, example_a, example_d, example_e, normal, root, sine_cosine};
@@ -51,7 +53,7 @@ fn check(example: &Example, rows: &[Row], limits: Limits) {
     println!("{}: {} figures, largest |z| {largest:.2}", example.name, zs.len());
 }
 
-fn sine_cosine_rows() -> Vec<Row> {
+fn sine_cosine_rows(example: &Example) -> Vec<Row> {
     let both = |weighting, printed| all(2, weighting, printed);
     let half = [0.5, 0.5, 0.0];
     let uneven = [0.25, 0.75, 0.0];
@@ -70,6 +72,8 @@ fn sine_cosine_rows() -> Vec<Row> {
         both(Any::cutoff(0.3), "0.0227849099"),
         both(Any::cutoff(0.5), "0.0354924704"),
         both(Any::cutoff(0.75), "0.0680040580"),
+        all(3, Any::balance(), "0.0151800872"),
+        all(3, variance_aware(example, &[true; 3]), "0.0159280712"),
         one(&half, Any::balance(), "0.0398919068"),
         one(&half, Any::power(2.0), "0.0547619048"),
         // Unequal probabilities cost less if the weights know them.
@@ -109,8 +113,9 @@ fn root_rows() -> Vec<Row> {
     ]
 }
 
-fn normal_rows() -> Vec<Row> {
+fn normal_rows(example: &Example) -> Vec<Row> {
     vec![
+        all(2, variance_aware(example, &[false, true]), "0.1617690661"),
         single(1, "0.5118578920"),
         all(2, Any::balance(), "0.1016087924"),
         all(2, Any::power(2.0), "0.1400846266"),
@@ -126,6 +131,17 @@ fn inverse_variance(example: &Example, finite: &[bool]) -> Vec<f64> {
     let inverses: Vec<f64> = finite.iter().enumerate().map(inverse).collect();
     let sum: f64 = inverses.iter().sum();
     inverses.iter().map(|v| v / sum).collect()
+}
+
+/// The factors 1 + μ² / V_i; 1 where a technique's variance is infinite.
+fn variance_aware(example: &Example, finite: &[bool]) -> Any {
+    let factor = |(i, finite): (usize, &bool)| {
+        let row = single(i, "");
+        let variance = if *finite { example.exact(&row.0, &row.1).variance } else { f64::INFINITY };
+        VarianceAware::factor(example.mean, variance)
+    };
+    let factors: Vec<f64> = finite.iter().enumerate().map(factor).collect();
+    Any::variance_aware(&factors)
 }
 
 /// The selection probability of the first of two techniques with the least variance, by golden
@@ -156,6 +172,7 @@ fn example_a_rows(example: &Example) -> Vec<Row> {
         all(2, Any::constant("inverse variance", &inverse), "2.06924798"),
         all(2, Any::balance(), "0.13858991"),
         all(2, Any::power(2.0), "0.27593205"),
+        all(2, variance_aware(example, &[true, true]), "0.14977016"),
         all(2, Any::maximum(), "1.14364637"),
         one(&[0.5, 0.5], Any::balance(), "0.36912818"),
         one(&inverse, Any::balance(), "0.41394084"),
@@ -164,9 +181,9 @@ fn example_a_rows(example: &Example) -> Vec<Row> {
 }
 
 /// Constant weights with a positive third one have an infinite variance, see below.
-fn three_term_rows(example: &Example, printed: [&'static str; 8]) -> Vec<Row> {
+fn three_term_rows(example: &Example, printed: [&'static str; 9]) -> Vec<Row> {
     let inverse = inverse_variance(example, &[true, true, false]);
-    let [first, second, constant, balance, power, maximum, equal, alpha] = printed;
+    let [first, second, constant, balance, power, aware, maximum, equal, alpha] = printed;
     let third = [1.0, 1.0, 1.0].map(|w: f64| w / 3.0);
     vec![
         single(0, first),
@@ -174,6 +191,7 @@ fn three_term_rows(example: &Example, printed: [&'static str; 8]) -> Vec<Row> {
         all(3, Any::constant("inverse variance", &inverse), constant),
         all(3, Any::balance(), balance),
         all(3, Any::power(2.0), power),
+        all(3, variance_aware(example, &[true, true, false]), aware),
         all(3, Any::maximum(), maximum),
         one(&third, Any::balance(), equal),
         one(&inverse, Any::balance(), alpha),
@@ -187,6 +205,7 @@ fn example_d_rows(example: &Example) -> Vec<Row> {
         "3.67335504",
         "3.562557",
         "8.425688",
+        "1.82443247",
         "54.91406",
         "13.35398",
         "2.03733542",
@@ -201,6 +220,7 @@ fn example_e_rows(example: &Example) -> Vec<Row> {
         "4.09749292",
         "93.36625",
         "615.6835",
+        "4.00279635",
         "5176.414",
         "349.6339",
         "3.97554919",
@@ -209,9 +229,10 @@ fn example_e_rows(example: &Example) -> Vec<Row> {
 }
 
 fn check_all(limits: Limits) {
-    check(&sine_cosine(), &sine_cosine_rows(), limits);
     check(&root(), &root_rows(), limits);
-    check(&normal(), &normal_rows(), limits);
+    let (slides, normal) = (sine_cosine(), normal());
+    check(&slides, &sine_cosine_rows(&slides), limits);
+    check(&normal, &normal_rows(&normal), limits);
     let (a, d, e) = (example_a(), example_d(), example_e());
     check(&a, &example_a_rows(&a), limits);
     check(&d, &example_d_rows(&d), limits);
