@@ -46,7 +46,8 @@
 //! - [`check`]: does a technique keep its promises? A report on every law.
 //! - `lighting`: an application, the radiance that leaves a surface.
 //!
-//! What it costs and buys is in `measured`, which is documentation only.
+//! How to choose among all this, and when not to trust it, is in `guide`; what it costs and buys in
+//! `measured`. Both are documentation only.
 //!
 //! # Features
 //!
@@ -61,6 +62,8 @@ mod discrete;
 mod error;
 mod estimate;
 mod estimator;
+#[cfg(doc)]
+pub mod guide;
 pub mod integrand;
 mod lanes;
 #[cfg(feature = "lighting")]
