@@ -1,9 +1,9 @@
 //! Figures of the guide that no other test has.
 
+use mis::points::{PointSource, Random};
 use mis::technique::{Linear, Uniform};
 use mis::weighting::Constant;
 use mis::{Estimator, MultiSample, Technique};
-use mis::points::{PointSource, Random};
 
 /// 10 on \[0, 0.1\], 0 elsewhere: the integral is 1.
 fn spike(x: &f64) -> f64 {

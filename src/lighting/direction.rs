@@ -96,6 +96,16 @@ impl Frame {
         Self { axis, s, t }
     }
 
+    /// The coordinates of a direction: along the two others, and along the axis.
+    pub(super) fn local(&self, w: Direction) -> DVec3 {
+        DVec3::new(self.s.dot(w.0), self.t.dot(w.0), self.axis.0.dot(w.0))
+    }
+
+    /// The direction with these coordinates, which are of a unit vector.
+    pub(super) fn world(&self, w: DVec3) -> Direction {
+        Direction(w.x * self.s + w.y * self.t + w.z * self.axis.0)
+    }
+
     /// The direction at an angle θ from the axis, 1 - cos θ = `q`, turned by `turn` of a full
     /// circle.
     pub(super) fn around(&self, q: f64, turn: f64) -> Direction {

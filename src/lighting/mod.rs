@@ -54,6 +54,7 @@
 
 mod bsdf;
 mod direction;
+mod ggx;
 mod lambert;
 mod phong;
 mod piece;
@@ -65,6 +66,7 @@ mod sphere;
 
 pub use bsdf::{Bsdf, Surface};
 pub use direction::Direction;
+pub use ggx::{GgxConductor, GgxLobe};
 /// The vector of three `f64` by which positions are given, of the crate `glam`.
 pub use glam::DVec3;
 pub use lambert::{CosineHemisphere, Lambert};

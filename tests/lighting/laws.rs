@@ -12,7 +12,7 @@ use mis::lighting::{
 use mis::technique::canonical;
 
 /// Every law, by a reference that is trusted; ∫ p dω = 1 to `integral` by quadrature.
-fn check_directions(
+pub(crate) fn check_directions(
     p: &dyn Technique<Point = Direction>,
     reference: &dyn Technique<Point = Direction>,
     coordinates: impl Fn(&Direction) -> [f64; 2],
@@ -26,14 +26,14 @@ fn check_directions(
 }
 
 /// Uniform per steradian on the cap 1 - cos α ≤ `width` about `axis`.
-struct Cap {
-    axis: Direction,
-    width: f64,
+pub(crate) struct Cap {
+    pub(crate) axis: Direction,
+    pub(crate) width: f64,
 }
 
 impl Cap {
     /// The canonical numbers of a direction.
-    fn coordinates(&self, w: &Direction) -> [f64; 2] {
+    pub(crate) fn coordinates(&self, w: &Direction) -> [f64; 2] {
         let (s, t) = self.axis.vector().any_orthonormal_pair();
         let turn = w.vector().dot(t).atan2(w.vector().dot(s)) / TAU;
         [w.one_minus_cos(self.axis) / self.width, (turn + 1.0).fract()]
