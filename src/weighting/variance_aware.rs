@@ -95,13 +95,9 @@ impl VarianceAware {
     /// ```
     #[must_use]
     pub fn factor(mean: f64, variance: f64) -> f64 {
-        // A mean over a deviation, whose squares may be out of range.
+        // A mean over a deviation: their squares may be out of range. It is 0 over infinity.
         let ratio = mean / variance.sqrt();
-        if variance == f64::INFINITY || ratio.is_nan() {
-            1.0
-        } else {
-            (1.0 + ratio * ratio).min(MOST_FACTOR)
-        }
+        if ratio.is_nan() { 1.0 } else { (1.0 + ratio * ratio).min(MOST_FACTOR) }
     }
 }
 
