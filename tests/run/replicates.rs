@@ -70,9 +70,10 @@ fn replicates_without_samples_are_doubted() {
     assert!(!report.status().to_string().contains("no error is known"), "{}", report.status());
 }
 
-/// Every replicate has 0 for it, which is no sign that it is 0.
+/// The sum of all contributions is the value. Where no sample added, every replicate has 0, which is no
+/// sign that the sum is 0.
 #[test]
-fn a_sum_to_which_no_sample_added_has_no_error() {
+fn sums_from_replicates_of_all_samples_and_of_none() {
     let (flat, ramp) = (Uniform::unit(), ramp());
     let multi = MultiSample::new(&[(&flat, 64), (&ramp, 64)]).unwrap();
     let one = OneSample::new(&[(&flat, 0.5), (&ramp, 0.5)], 128).unwrap();
@@ -85,7 +86,9 @@ fn a_sum_to_which_no_sample_added_has_no_error() {
     ];
     for report in reports {
         let [all, none] = report.tallied() else { panic!("{:?}", report.tallied()) };
-        assert!(all.standard_error.is_some());
+        assert!((all.value / report.value() - 1.0).abs() < 1e-14);
+        let [own, error] = [all.standard_error, report.standard_error()].map(Option::unwrap);
+        assert!((own / error - 1.0).abs() < 1e-11, "{own} {error}");
         assert_eq!((none.value, none.standard_error, none.samples), (0.0, None, 0));
     }
 }
