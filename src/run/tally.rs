@@ -205,8 +205,8 @@ impl Cells {
         (0..self.sums).map(one).collect()
     }
 
-    /// Sum `k` from the values that replicates come to, each for itself. `samples` are those of each
-    /// replicate of each technique.
+    /// Sum `k` from the values that replicates come to, each for itself; NaN where one of them lacks
+    /// samples. `samples` are those of each replicate of each technique.
     fn tallied_in_replicates(
         &self,
         frame: &Frame<'_>,
@@ -232,8 +232,7 @@ impl Cells {
         let values: Vec<f64> = (0..replicates).map(value).collect();
         let values = Moments::of_block(&values);
         let added = cells.iter().map(|cell| cell.count).sum();
-        let known = added > 0 && values.mean.is_finite();
-        let standard_error = values.standard_error().filter(|_| known);
+        let standard_error = values.standard_error().filter(|_| added > 0);
         Tallied { value: values.mean, standard_error, samples: added }
     }
 }

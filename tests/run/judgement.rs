@@ -193,6 +193,21 @@ fn few_contributions() {
     assert_eq!(doubts(&report).iter().find_map(contributions), None, "{report}");
 }
 
+/// 29 are too few, 30 are not: of a technique, and of all.
+#[test]
+fn how_many_contributions_are_few() {
+    let flat = Uniform::unit();
+    let few = |doubt: &Doubt| matches!(doubt, Doubt::FewContributions { .. });
+    let multi = MultiSample::new(&[(&flat, 1)]).unwrap();
+    let one = OneSample::new(&[(&flat, 1.0)], 1).unwrap();
+    for (samples, expected) in [(29, [2, 1]), (30, [0, 0])] {
+        let f = |x: &f64| 1.0 + x;
+        let reports = [run(samples).execute(&multi, &f, 1), run(samples).execute(&one, &f, 1)];
+        let found = reports.map(|report| doubts(&report.unwrap()).into_iter().filter(few).count());
+        assert_eq!(found, expected, "{samples}");
+    }
+}
+
 #[test]
 fn an_infinite_variance_does_not_converge() {
     let flat = Uniform::unit();

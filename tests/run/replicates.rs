@@ -70,6 +70,29 @@ fn replicates_without_samples_are_doubted() {
     assert!(!report.status().to_string().contains("no error is known"), "{}", report.status());
 }
 
+/// The sum of all contributions is the value. Where no sample added, every replicate has 0, which is no
+/// sign that the sum is 0.
+#[test]
+fn sums_from_replicates_of_all_samples_and_of_none() {
+    let (flat, ramp) = (Uniform::unit(), ramp());
+    let multi = MultiSample::new(&[(&flat, 64), (&ramp, 64)]).unwrap();
+    let one = OneSample::new(&[(&flat, 0.5), (&ramp, 0.5)], 128).unwrap();
+    let first = |sample: &mis::Sample<'_, f64, f64>, tally: &mut mis::Tally<'_>| {
+        tally.add(0, sample.contribution());
+    };
+    let reports = [
+        run().tally(&multi, &f, &Sobol::new(1), 2, first).unwrap(),
+        run().tally(&one, &f, &Sobol::new(1), 2, first).unwrap(),
+    ];
+    for report in reports {
+        let [all, none] = report.tallied() else { panic!("{:?}", report.tallied()) };
+        assert!((all.value / report.value() - 1.0).abs() < 1e-14);
+        let [own, error] = [all.standard_error, report.standard_error()].map(Option::unwrap);
+        assert!((own / error - 1.0).abs() < 1e-11, "{own} {error}");
+        assert_eq!((none.value, none.standard_error, none.samples), (0.0, None, 0));
+    }
+}
+
 /// Shares are of the value as it is, and contributions add up to it, although some replicates
 /// have a sample more.
 #[test]
