@@ -11,6 +11,7 @@ use crate::integrand::{Integrand, Value};
 use crate::lanes;
 use crate::moments::{Accumulator, Moments};
 use crate::part::{Counts, Part};
+use crate::vectors::vectorised;
 use crate::weighting::{Densities, SAFE, Weighting};
 
 /// What all samples of an estimate have in common.
@@ -173,7 +174,10 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         }
         let (xs, values, factors) = (&xs[..n], &mut values[..n], &mut factors[..n]);
         let pdfs = &mut pdfs[..n * self.techniques.len()];
-        f.eval_batch(xs, values);
+        vectorised(
+            #[inline(always)]
+            || f.eval_batch(xs, values),
+        );
 
         let constant = self.weighting.constant_weight(i, self.alpha);
         let sound = self.densities(i, constant.is_some(), xs, pdfs);

@@ -1,11 +1,10 @@
 //! Scrambled Sobol' points.
 
-use wide::u64x4;
-
 use super::directions::{self, Columns};
 use super::hash::{hash, word};
 use super::{MOST_REPLICATES, PointSource, PointsExhausted};
 use crate::error::ArgumentError;
+use crate::vectors::vectorised;
 
 /// Sobol' points under Owen's scrambling: quasi-random points with an error bar.
 ///
@@ -123,9 +122,14 @@ impl PointSource for Sobol {
                 *coordinate = Some(Coordinate::new(columns, key(k), end));
             }
             for (xi, sample) in xi.chunks_mut(TILE.1 * dimension).zip((first..).step_by(TILE.1)) {
-                for (coordinate, k) in coordinates.iter().flatten().zip(d..) {
-                    coordinate.fill(sample, dimension, xi.get_mut(k..).unwrap_or_default());
-                }
+                vectorised(
+                    #[inline(always)]
+                    || {
+                        for (coordinate, k) in coordinates.iter().flatten().zip(d..) {
+                            coordinate.fill(sample, dimension, xi.get_mut(k..).unwrap_or_default());
+                        }
+                    },
+                );
             }
         }
         Ok(())
@@ -175,6 +179,7 @@ impl Coordinate {
         Self { shift: word(key, 64), columns: scrambled, lanes }
     }
 
+    #[inline(always)]
     /// Writes the points from number `first` on to every `stride`-th number of `out`.
     fn fill(&self, first: u64, stride: usize, out: &mut [f64]) {
         let rows = out.len().div_ceil(stride);
@@ -186,11 +191,7 @@ impl Coordinate {
         while row < rows {
             let mut x = [0; TILE.1];
             for eight in x.as_chunks_mut::<LANES>().0 {
-                // The compiler would take them one by one.
-                let (fours, base_lanes) = (eight.as_chunks_mut::<4>().0, u64x4::splat(base));
-                for (x, lanes) in fours.iter_mut().zip(self.lanes.as_chunks::<4>().0) {
-                    *x = (u64x4::new(*lanes) ^ base_lanes).to_array();
-                }
+                *eight = self.lanes.map(|lane| lane ^ base);
                 group += 1;
                 // From the last of the eight to the next, one digit of the code changes.
                 let [.., last] = self.lanes;

@@ -51,6 +51,8 @@ pub use truncated_cauchy::TruncatedCauchy;
 pub use truncated_normal::TruncatedNormal;
 pub use uniform::Uniform;
 
+use crate::vectors::vectorised;
+
 /// A sampleable pdf: a map from canonical numbers to points, and the density that the map
 /// produces.
 ///
@@ -144,9 +146,14 @@ pub trait Technique: Sync {
         let (old, new) = xi.split_at(old * dimension);
         if dimension == 1 {
             // The common case, without the bookkeeping of rows.
-            for (x, u) in xs.iter_mut().zip(old) {
-                self.sample_into(std::slice::from_ref(u), x);
-            }
+            vectorised(
+                #[inline(always)]
+                || {
+                    for (x, u) in xs.iter_mut().zip(old) {
+                        self.sample_into(std::slice::from_ref(u), x);
+                    }
+                },
+            );
         } else {
             for (x, row) in xs.iter_mut().zip(old.chunks_exact(dimension)) {
                 self.sample_into(row, x);
@@ -157,9 +164,14 @@ pub trait Technique: Sync {
 
     /// [`pdf`](Technique::pdf) of every point of `xs`, into `out` of the same length.
     fn pdf_batch(&self, xs: &[Self::Point], out: &mut [f64]) {
-        for (p, x) in out.iter_mut().zip(xs) {
-            *p = self.pdf(x);
-        }
+        vectorised(
+            #[inline(always)]
+            || {
+                for (p, x) in out.iter_mut().zip(xs) {
+                    *p = self.pdf(x);
+                }
+            },
+        );
     }
 }
 
