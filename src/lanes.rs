@@ -4,6 +4,8 @@
 
 use fearless_simd::{Level, dispatch, f64x4, prelude::*};
 
+use crate::integrand::Value;
+
 pub(crate) const LANES: usize = 8;
 
 /// What one pass over numbers x tells of them.
@@ -19,7 +21,7 @@ pub(crate) struct Sums {
 
 /// The sums over the terms of [`Sums`], in four lanes.
 #[derive(Clone, Copy)]
-pub(crate) struct Summing<S: Simd> {
+struct Summing<S: Simd> {
     shift: f64x4<S>,
     powers: [f64x4<S>; 3],
     largest: f64x4<S>,
@@ -28,7 +30,7 @@ pub(crate) struct Summing<S: Simd> {
 
 impl<S: Simd> Summing<S> {
     #[inline(always)]
-    pub(crate) fn about(simd: S, origin: f64) -> Self {
+    fn about(simd: S, origin: f64) -> Self {
         let zero = f64x4::splat(simd, 0.0);
         Self {
             shift: f64x4::splat(simd, origin),
@@ -39,7 +41,7 @@ impl<S: Simd> Summing<S> {
     }
 
     #[inline(always)]
-    pub(crate) fn add(&mut self, x: f64x4<S>) {
+    fn add(&mut self, x: f64x4<S>) {
         let d = x - self.shift;
         let square = d * d;
         let [sum, squares, cubes] = &mut self.powers;
@@ -52,7 +54,7 @@ impl<S: Simd> Summing<S> {
 
     /// Lanes are added pairwise.
     #[inline(always)]
-    pub(crate) fn total(self) -> Sums {
+    fn total(self) -> Sums {
         let lanes = |lanes: f64x4<S>| <[f64; 4]>::from(lanes);
         let pairwise = |sum: f64x4<S>| {
             let [a, b, c, d] = lanes(sum);
@@ -83,6 +85,42 @@ pub(crate) fn sums_about(xs: &[f64], origin: f64) -> Sums {
         sums.total()
     }
     dispatch!(Level::new(), simd => sums(simd, xs, origin))
+}
+
+/// Puts component `c` of each value times its factor into `ys`, of the same length, and sums those
+/// products about the first.
+pub(crate) fn products<V: Value>(values: &[V], c: usize, factors: &[f64], ys: &mut [f64]) -> Sums {
+    #[inline(always)]
+    fn sums<S: Simd, V: Value>(
+        simd: S,
+        values: &[V],
+        c: usize,
+        factors: &[f64],
+        ys: &mut [f64],
+    ) -> Sums {
+        let (Some(value), Some(factor)) = (values.first(), factors.first()) else {
+            return Summing::about(simd, 0.0).total();
+        };
+        let origin = value.times(c, *factor);
+        let mut sums = Summing::about(simd, origin);
+        let (values, last_values) = values.as_chunks::<4>();
+        let (factors, last_factors) = factors.as_chunks::<4>();
+        let (ys, last_ys) = ys.as_chunks_mut::<4>();
+        for ((y, value), factor) in ys.iter_mut().zip(values).zip(factors) {
+            *y = std::array::from_fn(|lane| value[lane].times(c, factor[lane]));
+            sums.add(f64x4::simd_from(simd, *y));
+        }
+        if !last_ys.is_empty() {
+            let mut last = [origin; 4];
+            for ((y, value), factor) in last.iter_mut().zip(last_values).zip(last_factors) {
+                *y = value.times(c, *factor);
+            }
+            last_ys.iter_mut().zip(last).for_each(|(y, last)| *y = last);
+            sums.add(f64x4::simd_from(simd, last));
+        }
+        sums.total()
+    }
+    dispatch!(Level::new(), simd => sums(simd, values, c, factors, ys))
 }
 
 /// Folds `step` over every eighth element into each of eight lanes.

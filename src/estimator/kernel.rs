@@ -200,12 +200,9 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
 
         let mut any_zero = true;
         for (c, y) in y.chunks_exact_mut(self.block).enumerate() {
-            for ((y, value), factor) in y.iter_mut().zip(&*values).zip(&*factors) {
-                *y = value.times(c, *factor);
-            }
-            let (block, any) = Moments::and_zeros(&y[..n]);
-            blocks[c] = block;
-            any_zero &= any;
+            let sums = lanes::products(values, c, factors, &mut y[..n]);
+            blocks[c] = Moments::of_sums(&y[..n], &sums);
+            any_zero &= sums.zeros;
         }
         // A factor that is not exact is NaN, and so is then its contribution.
         if !(sound && blocks.iter().all(|block| block.mean.is_finite())) {

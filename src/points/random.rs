@@ -67,6 +67,8 @@ impl PointSource for Random {
             vectorised(
                 #[inline(always)]
                 || {
+                    // In registers, not behind a reference.
+                    let mut generator = generator;
                     let (fours, last) = block.as_chunks_mut::<4>();
                     for four in fours {
                         *four = std::array::from_fn(|_| open_unit(generator.next_u64()));

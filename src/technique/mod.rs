@@ -215,6 +215,24 @@ pub trait InverseCdf: Technique<Point = f64> {
             *x = self.sample(std::slice::from_ref(u));
         }
     }
+
+    /// The points of independent coordinates, from as many rows of `xi`.
+    #[doc(hidden)]
+    fn sample_rows<P: AsMut<[f64]>>(coordinates: &[Self], xi: &[f64], xs: &mut [P])
+    where
+        Self: Sized,
+    {
+        columns::fill_columns(coordinates, xi, xs);
+    }
+
+    /// The densities of points of independent coordinates, each as long as `coordinates`.
+    #[doc(hidden)]
+    fn pdf_rows<P: AsRef<[f64]>>(coordinates: &[Self], xs: &[P], out: &mut [f64])
+    where
+        Self: Sized,
+    {
+        columns::densities(coordinates, xs, out);
+    }
 }
 
 /// Canonical number `d` of `xi`, moved into the open unit interval.
