@@ -179,8 +179,8 @@ impl Coordinate {
         Self { shift: word(key, 64), columns: scrambled, lanes }
     }
 
-    #[inline(always)]
     /// Writes the points from number `first` on to every `stride`-th number of `out`.
+    #[inline(always)]
     fn fill(&self, first: u64, stride: usize, out: &mut [f64]) {
         let rows = out.len().div_ceil(stride);
         // From a multiple of eight on, eight points have all but the last digits in common.
@@ -189,15 +189,16 @@ impl Coordinate {
         let mut base = self.shift ^ sum(&self.columns, gray(LANES as u64 * group));
         let mut row = 0;
         while row < rows {
-            let mut x = [0; TILE.1];
-            for eight in x.as_chunks_mut::<LANES>().0 {
-                *eight = self.lanes.map(|lane| lane ^ base);
+            let mut points = [0.0; TILE.1];
+            for eight in points.as_chunks_mut::<LANES>().0 {
+                for (u, lane) in eight.iter_mut().zip(&self.lanes) {
+                    *u = scrambled(lane ^ base);
+                }
                 group += 1;
                 // From the last of the eight to the next, one digit of the code changes.
                 let [.., last] = self.lanes;
                 base ^= last ^ self.columns[group.trailing_zeros() as usize % 61 + 3];
             }
-            let points = x.map(scrambled);
             let next = rows.min(row + points.len() - skip);
             let points = points.get(skip..).unwrap_or_default();
             if stride == 1
