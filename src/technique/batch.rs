@@ -15,11 +15,13 @@ pub(super) fn sample(technique: &impl InverseCdf, xi: &[f64], xs: &mut Vec<f64>)
 }
 
 /// The point `place(u)` of each canonical number u of `xi`.
+///
+/// `place` should own what it reads: behind a reference, a write to `xs` might change it.
 #[inline]
 pub(super) fn places(xi: &[f64], xs: &mut [f64], place: impl Fn(f64) -> f64) {
     vectorised(
         #[inline(always)]
-        || {
+        move || {
             for (x, u) in xs.iter_mut().zip(xi) {
                 *x = place(open(*u));
             }
@@ -46,10 +48,11 @@ pub(super) fn map(
     alone: impl Fn(f64) -> f64,
 ) {
     const LANES: usize = 8;
+    let ys = &mut *out;
     vectorised(
         #[inline(always)]
-        || {
-            for (y, x) in out.iter_mut().zip(xs) {
+        move || {
+            for (y, x) in ys.iter_mut().zip(xs) {
                 *y = in_lanes(*x);
             }
         },

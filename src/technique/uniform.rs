@@ -105,7 +105,8 @@ impl InverseCdf for Uniform {
     }
 
     fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
-        batch::places(xi, xs, |u| self.place(u));
+        let this = *self; // which no write to `xs` can change
+        batch::places(xi, xs, move |u| this.place(u));
     }
 
     fn sample_rows<P: AsMut<[f64]>>(coordinates: &[Self], xi: &[f64], xs: &mut [P]) {
