@@ -180,6 +180,7 @@ impl Coordinate {
     }
 
     /// Writes the points from number `first` on to every `stride`-th number of `out`.
+    #[expect(clippy::inline_always, reason = "what is not inlined is not compiled for the vectors")]
     #[inline(always)]
     fn fill(&self, first: u64, stride: usize, out: &mut [f64]) {
         let rows = out.len().div_ceil(stride);
