@@ -33,6 +33,7 @@ pub trait Integrand<P> {
 
     /// f at every point of `xs`, into every place of `out`, which has the same length and may hold
     /// the values of other points.
+    #[inline]
     fn eval_batch(&self, xs: &[P], out: &mut [Self::Value]) {
         for (f, x) in out.iter_mut().zip(xs) {
             *f = self.eval(x);
@@ -89,6 +90,7 @@ impl<P, V: Value, F: Fn(&[P], &mut [V])> Integrand<P> for Batch<F, V> {
         value
     }
 
+    #[inline]
     fn eval_batch(&self, xs: &[P], out: &mut [V]) {
         // A place that is left out would keep the value of some earlier point.
         clear(out);

@@ -1,6 +1,10 @@
 //! Reductions over slices in lanes, which vectorise where a running total would not.
 
-use wide::f64x4;
+#![expect(clippy::inline_always, reason = "what is not inlined is not compiled for the vectors")]
+
+use fearless_simd::{Level, dispatch, f64x4, prelude::*};
+
+use crate::integrand::Value;
 
 pub(crate) const LANES: usize = 8;
 
@@ -15,39 +19,108 @@ pub(crate) struct Sums {
     pub(crate) zeros: bool,
 }
 
-/// In four lanes, which are added pairwise: four lanes of so many sums are what the registers of
-/// every x86-64 hold.
-#[inline(never)]
-pub(crate) fn sums_about(xs: &[f64], origin: f64) -> Sums {
-    let shift = f64x4::splat(origin);
-    let [mut sum, mut squares, mut cubes, mut largest] = [f64x4::ZERO; 4];
-    let mut least = f64x4::splat(f64::INFINITY);
-    let mut add = |chunk: &[f64; 4]| {
-        let x = f64x4::new(*chunk);
-        let d = x - shift;
+/// The sums over the terms of [`Sums`], in four lanes.
+#[derive(Clone, Copy)]
+struct Summing<S: Simd> {
+    shift: f64x4<S>,
+    powers: [f64x4<S>; 3],
+    largest: f64x4<S>,
+    least: f64x4<S>,
+}
+
+impl<S: Simd> Summing<S> {
+    #[inline(always)]
+    fn about(simd: S, origin: f64) -> Self {
+        let zero = f64x4::splat(simd, 0.0);
+        Self {
+            shift: f64x4::splat(simd, origin),
+            powers: [zero; 3],
+            largest: zero,
+            least: f64x4::splat(simd, f64::INFINITY),
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, x: f64x4<S>) {
+        let d = x - self.shift;
         let square = d * d;
-        sum += d;
-        squares += square;
-        cubes += square * d;
-        largest = largest.fast_max(x.abs());
-        least = least.fast_min(x.abs());
-    };
-    let (chunks, rest) = xs.as_chunks::<4>();
-    chunks.iter().for_each(&mut add);
-    if !rest.is_empty() {
-        let mut last = [origin; 4];
-        last.iter_mut().zip(rest).for_each(|(last, x)| *last = *x);
-        add(&last);
+        let [sum, squares, cubes] = &mut self.powers;
+        *sum += d;
+        *squares += square;
+        *cubes += square * d;
+        self.largest = self.largest.max(x.abs());
+        self.least = self.least.min(x.abs());
     }
-    let pairwise = |lanes: f64x4| {
-        let [a, b, c, d] = lanes.to_array();
-        (a + b) + (c + d)
-    };
-    Sums {
-        powers: [sum, squares, cubes].map(pairwise),
-        largest: largest.to_array().into_iter().fold(0.0, f64::max),
-        zeros: least.to_array().iter().any(|least| !(*least > 0.0)),
+
+    /// Lanes are added pairwise.
+    #[inline(always)]
+    fn total(self) -> Sums {
+        let lanes = |lanes: f64x4<S>| <[f64; 4]>::from(lanes);
+        let pairwise = |sum: f64x4<S>| {
+            let [a, b, c, d] = lanes(sum);
+            (a + b) + (c + d)
+        };
+        Sums {
+            powers: self.powers.map(pairwise),
+            largest: lanes(self.largest).into_iter().fold(0.0, f64::max),
+            zeros: lanes(self.least).into_iter().any(|least| !(least > 0.0)),
+        }
     }
+}
+
+/// Sums of `xs` themselves.
+pub(crate) fn sums_about(xs: &[f64], origin: f64) -> Sums {
+    #[inline(always)]
+    fn sums<S: Simd>(simd: S, xs: &[f64], origin: f64) -> Sums {
+        let mut sums = Summing::about(simd, origin);
+        let (chunks, rest) = xs.as_chunks::<4>();
+        for chunk in chunks {
+            sums.add(f64x4::simd_from(simd, *chunk));
+        }
+        if !rest.is_empty() {
+            let mut last = [origin; 4];
+            last.iter_mut().zip(rest).for_each(|(last, x)| *last = *x);
+            sums.add(f64x4::simd_from(simd, last));
+        }
+        sums.total()
+    }
+    dispatch!(Level::new(), simd => sums(simd, xs, origin))
+}
+
+/// Puts component `c` of each value times its factor into `ys`, of the same length, and sums those
+/// products about the first.
+pub(crate) fn products<V: Value>(values: &[V], c: usize, factors: &[f64], ys: &mut [f64]) -> Sums {
+    #[inline(always)]
+    fn sums<S: Simd, V: Value>(
+        simd: S,
+        values: &[V],
+        c: usize,
+        factors: &[f64],
+        ys: &mut [f64],
+    ) -> Sums {
+        let (Some(value), Some(factor)) = (values.first(), factors.first()) else {
+            return Summing::about(simd, 0.0).total();
+        };
+        let origin = value.times(c, *factor);
+        let mut sums = Summing::about(simd, origin);
+        let (values, last_values) = values.as_chunks::<4>();
+        let (factors, last_factors) = factors.as_chunks::<4>();
+        let (ys, last_ys) = ys.as_chunks_mut::<4>();
+        for ((y, value), factor) in ys.iter_mut().zip(values).zip(factors) {
+            *y = std::array::from_fn(|lane| value[lane].times(c, factor[lane]));
+            sums.add(f64x4::simd_from(simd, *y));
+        }
+        if !last_ys.is_empty() {
+            let mut last = [origin; 4];
+            for ((y, value), factor) in last.iter_mut().zip(last_values).zip(last_factors) {
+                *y = value.times(c, *factor);
+            }
+            last_ys.iter_mut().zip(last).for_each(|(y, last)| *y = last);
+            sums.add(f64x4::simd_from(simd, last));
+        }
+        sums.total()
+    }
+    dispatch!(Level::new(), simd => sums(simd, values, c, factors, ys))
 }
 
 /// Folds `step` over every eighth element into each of eight lanes.
@@ -139,16 +212,22 @@ fn pairwise([a, b, c, d, e, f, g, h]: [f64; LANES]) -> f64 {
 }
 
 /// The least element; infinite for an empty slice. NaN may or may not be passed over.
-#[inline]
 pub(crate) fn least(xs: &[f64]) -> f64 {
-    let infinite = f64x4::splat(f64::INFINITY);
-    let (mut a, mut b) = (infinite, infinite);
-    let (chunks, rest) = xs.as_chunks::<LANES>();
-    for [x0, x1, x2, x3, x4, x5, x6, x7] in chunks {
-        a = a.fast_min(f64x4::new([*x0, *x1, *x2, *x3]));
-        b = b.fast_min(f64x4::new([*x4, *x5, *x6, *x7]));
+    #[inline(always)]
+    fn lanes<S: Simd>(simd: S, chunks: &[[f64; 4 * LANES]]) -> [f64; 4] {
+        let mut least = [f64x4::splat(simd, f64::INFINITY); 4];
+        for chunk in chunks {
+            for (eight, least) in chunk.as_chunks::<LANES>().0.iter().zip(&mut least) {
+                for four in eight.as_chunks::<4>().0 {
+                    *least = least.min(f64x4::simd_from(simd, *four));
+                }
+            }
+        }
+        let [a, b, c, d] = least;
+        a.min(b).min(c.min(d)).into()
     }
-    let lanes = a.fast_min(b).to_array();
+    let (chunks, rest) = xs.as_chunks();
+    let lanes = dispatch!(Level::new(), simd => lanes(simd, chunks));
     rest.iter().chain(&lanes).fold(f64::INFINITY, |least, x| if least < *x { least } else { *x })
 }
 

@@ -77,6 +77,7 @@ pub mod points;
 pub mod run;
 mod tail;
 pub mod technique;
+mod vectors;
 pub mod weighting;
 
 pub use error::{ArgumentError, EstimateError};

@@ -35,13 +35,13 @@ pub(crate) struct Moments {
 impl Moments {
     /// The moments of a block. The mean is finite if and only if every y is.
     pub(crate) fn of_block(ys: &[f64]) -> Self {
-        Self::and_zeros(ys).0
+        Self::of_sums(ys, &lanes::sums_about(ys, ys.first().copied().unwrap_or(0.0)))
     }
 
-    /// The moments of a block, and whether a y in it may be 0.
-    pub(crate) fn and_zeros(ys: &[f64]) -> (Self, bool) {
-        let Some(origin) = ys.first().copied() else { return (Self::default(), false) };
-        let Sums { powers, largest, zeros } = lanes::sums_about(ys, origin);
+    /// The moments of a block, given its sums about its first element.
+    pub(crate) fn of_sums(ys: &[f64], sums: &Sums) -> Self {
+        let Some(origin) = ys.first().copied() else { return Self::default() };
+        let Sums { powers, largest, .. } = *sums;
         let [mut sum, mut squares, mut cubes] = powers;
         // Within these bounds cubes neither overflow nor lose a digit that matters.
         let exponent = if largest == 0.0 || (1e-80..1e80).contains(&largest) {
@@ -59,7 +59,7 @@ impl Moments {
         let mean = (origin * unit + m) / unit;
         let m2 = squares - sum * sum / n;
         let m3 = cubes - m * (3.0 * squares - 2.0 * m * sum);
-        (Self { count: ys.len() as u64, mean, m2, m3, exponent, largest }, zeros)
+        Self { count: ys.len() as u64, mean, m2, m3, exponent, largest }
     }
 
     /// Whether its units are among those that [`of_block`](Self::of_block) takes.

@@ -121,7 +121,7 @@ pub(crate) fn algebraic(n: u64) -> f64 {
     finish(mis.estimate(&|x: &Angle| x.sin * x.cos, 1))
 }
 
-/// The same over sin x, in batches that the compiler puts into vector instructions.
+/// The same over sin x, of which all loops become vector instructions.
 struct Sine<const TECHNIQUE: u64>;
 
 impl<const TECHNIQUE: u64> Technique for Sine<TECHNIQUE> {
@@ -137,13 +137,6 @@ impl<const TECHNIQUE: u64> Technique for Sine<TECHNIQUE> {
 
     fn pdf(&self, sin: &f64) -> f64 {
         if TECHNIQUE == 0 { (1.0 - sin * sin).sqrt() } else { *sin }
-    }
-
-    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
-        xs.resize(xi.len(), 0.0);
-        for (x, xi) in xs.iter_mut().zip(xi) {
-            *x = by_hand::algebraic(TECHNIQUE, *xi).0;
-        }
     }
 }
 

@@ -4,6 +4,9 @@
 //! what starting costs. It fails if a ratio is beyond what is stated for it, or a count is more than
 //! 2 % above the one in `counts.txt`; the latter only with the compiler and C library of that file, as
 //! others have other code. `-- --write` writes the file.
+//!
+//! The loops by hand are compiled for the target, as a user's are; the library has loops for AVX2 as
+//! well, which it uses where the processor, or valgrind's, has it.
 
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
@@ -70,14 +73,10 @@ const CHUNKS: [Variant; 2] =
 
 /// Ratios, and the most that each may be.
 const RATIOS: [(&str, &str, f64); 4] = [
-    ("balance, closures", "by hand, f, p1, p2 separate", 1.1),
-    ("balance, the point carries sin and cos", "by hand, sin and cos shared", 1.2),
-    ("balance, sin and cos algebraic", "by hand, sin and cos algebraic", 1.78),
-    (
-        "balance, sin and cos algebraic, in batches",
-        "by hand, sin and cos algebraic, in lanes",
-        2.15,
-    ),
+    ("balance, closures", "by hand, f, p1, p2 separate", 1.06),
+    ("balance, the point carries sin and cos", "by hand, sin and cos shared", 1.05),
+    ("balance, sin and cos algebraic", "by hand, sin and cos algebraic", 1.1),
+    ("balance, sin and cos algebraic, in batches", "by hand, sin and cos algebraic, in lanes", 1.3),
 ];
 
 const COUNTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/instructions/counts.txt");
@@ -115,9 +114,8 @@ fn main() {
     for k in [2, 4, 16] {
         let [constant, balance] =
             ["constant", "balance"].map(|w| counts[format!("{k} ramps, {w}").as_str()]);
-        // K densities, and a quarter of them for the sum and for looking at them; of densities that
-        // cost more than these ramps, that is a smaller part.
-        let most = constant + 1.25 * f64::from(k) * counts["a ramp's density"];
+        // K densities, and 15 % of them for the sum and for looking at them.
+        let most = constant + 1.15 * f64::from(k) * counts["a ramp's density"];
         println!("{k:2} ramps, balance over constant weights       {balance:8.1} {most:8.1}");
         if balance > most {
             failures.push(format!("balance of {k} costs {balance:.1} instructions, not {most:.1}"));

@@ -12,6 +12,7 @@ use crate::integrand::{Integrand, Value};
 use crate::lanes;
 use crate::moments::{Accumulator, Moments};
 use crate::part::{Counts, Part};
+use crate::vectors::vectorised;
 use crate::weighting::{Densities, SAFE, Weighting};
 
 /// What all samples of an estimate have in common.
@@ -176,7 +177,10 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         }
         let (xs, values, factors) = (&xs[..n], &mut values[..n], &mut factors[..n]);
         let pdfs = &mut pdfs[..n * self.techniques.len()];
-        f.eval_batch(xs, values);
+        vectorised(
+            #[inline(always)]
+            || f.eval_batch(xs, values),
+        );
 
         let constant = self.weighting.constant_weight(i, self.alpha);
         let own_only = constant.is_some() && self.controls.is_none();
@@ -200,12 +204,9 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
 
         let mut any_zero = true;
         for (c, y) in y.chunks_exact_mut(self.block).enumerate() {
-            for ((y, value), factor) in y.iter_mut().zip(&*values).zip(&*factors) {
-                *y = value.times(c, *factor);
-            }
-            let (block, any) = Moments::and_zeros(&y[..n]);
-            blocks[c] = block;
-            any_zero &= any;
+            let sums = lanes::products(values, c, factors, &mut y[..n]);
+            blocks[c] = Moments::of_sums(&y[..n], &sums);
+            any_zero &= sums.zeros;
         }
         // A factor that is not exact is NaN, and so is then its contribution.
         if !(sound && blocks.iter().all(|block| block.mean.is_finite())) {

@@ -5,6 +5,7 @@ use rand_pcg::Pcg64Dxsm;
 
 use super::hash::hash;
 use super::{PointSource, PointsExhausted};
+use crate::vectors::vectorised;
 
 /// How many samples share a generator. Part of the values that a seed stands for.
 const SAMPLES_PER_GENERATOR: u64 = 256;
@@ -63,13 +64,20 @@ impl PointSource for Random {
             if row > 0 {
                 generator.advance(u128::from(row) * dimension as u128);
             }
-            let (fours, last) = block.as_chunks_mut::<4>();
-            for four in fours {
-                *four = std::array::from_fn(|_| open_unit(generator.next_u64()));
-            }
-            for u in last {
-                *u = open_unit(generator.next_u64());
-            }
+            vectorised(
+                #[inline(always)]
+                || {
+                    // In registers, not behind a reference.
+                    let mut generator = generator;
+                    let (fours, last) = block.as_chunks_mut::<4>();
+                    for four in fours {
+                        *four = std::array::from_fn(|_| open_unit(generator.next_u64()));
+                    }
+                    for u in last {
+                        *u = open_unit(generator.next_u64());
+                    }
+                },
+            );
             rest = tail;
             sample = sample.saturating_add(SAMPLES_PER_GENERATOR - row);
         }

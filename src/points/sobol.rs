@@ -1,11 +1,10 @@
 //! Scrambled Sobol' points.
 
-use wide::u64x4;
-
 use super::directions::{self, Columns};
 use super::hash::{hash, word};
 use super::{PointSource, PointsExhausted, checked_replicates};
 use crate::error::ArgumentError;
+use crate::vectors::vectorised;
 
 /// Sobol' points under Owen's scrambling: quasi-random points with an error bar.
 ///
@@ -118,9 +117,14 @@ impl PointSource for Sobol {
                 *coordinate = Some(Coordinate::new(columns, key(k), end));
             }
             for (xi, sample) in xi.chunks_mut(TILE.1 * dimension).zip((first..).step_by(TILE.1)) {
-                for (coordinate, k) in coordinates.iter().flatten().zip(d..) {
-                    coordinate.fill(sample, dimension, xi.get_mut(k..).unwrap_or_default());
-                }
+                vectorised(
+                    #[inline(always)]
+                    || {
+                        for (coordinate, k) in coordinates.iter().flatten().zip(d..) {
+                            coordinate.fill(sample, dimension, xi.get_mut(k..).unwrap_or_default());
+                        }
+                    },
+                );
             }
         }
         Ok(())
@@ -171,6 +175,8 @@ impl Coordinate {
     }
 
     /// Writes the points from number `first` on to every `stride`-th number of `out`.
+    #[expect(clippy::inline_always, reason = "what is not inlined is not compiled for the vectors")]
+    #[inline(always)]
     fn fill(&self, first: u64, stride: usize, out: &mut [f64]) {
         let rows = out.len().div_ceil(stride);
         // From a multiple of eight on, eight points have all but the last digits in common.
@@ -179,19 +185,16 @@ impl Coordinate {
         let mut base = self.shift ^ sum(&self.columns, gray(LANES as u64 * group));
         let mut row = 0;
         while row < rows {
-            let mut x = [0; TILE.1];
-            for eight in x.as_chunks_mut::<LANES>().0 {
-                // The compiler would take them one by one.
-                let (fours, base_lanes) = (eight.as_chunks_mut::<4>().0, u64x4::splat(base));
-                for (x, lanes) in fours.iter_mut().zip(self.lanes.as_chunks::<4>().0) {
-                    *x = (u64x4::new(*lanes) ^ base_lanes).to_array();
+            let mut points = [0.0; TILE.1];
+            for eight in points.as_chunks_mut::<LANES>().0 {
+                for (u, lane) in eight.iter_mut().zip(&self.lanes) {
+                    *u = scrambled(lane ^ base);
                 }
                 group += 1;
                 // From the last of the eight to the next, one digit of the code changes.
                 let [.., last] = self.lanes;
                 base ^= last ^ self.columns[group.trailing_zeros() as usize % 61 + 3];
             }
-            let points = x.map(scrambled);
             let next = rows.min(row + points.len() - skip);
             let points = points.get(skip..).unwrap_or_default();
             if stride == 1

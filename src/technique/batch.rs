@@ -1,6 +1,7 @@
 //! The loops of batch methods.
 
 use super::{InverseCdf, open};
+use crate::vectors::vectorised;
 
 /// The rows of blocks on the stack.
 pub(super) const ROWS: usize = 64;
@@ -14,11 +15,18 @@ pub(super) fn sample(technique: &impl InverseCdf, xi: &[f64], xs: &mut Vec<f64>)
 }
 
 /// The point `place(u)` of each canonical number u of `xi`.
+///
+/// `place` should own what it reads: behind a reference, a write to `xs` might change it.
 #[inline]
 pub(super) fn places(xi: &[f64], xs: &mut [f64], place: impl Fn(f64) -> f64) {
-    for (x, u) in xs.iter_mut().zip(xi) {
-        *x = place(open(*u));
-    }
+    vectorised(
+        #[inline(always)]
+        move || {
+            for (x, u) in xs.iter_mut().zip(xi) {
+                *x = place(open(*u));
+            }
+        },
+    );
 }
 
 /// One number of [`map`].
@@ -40,9 +48,15 @@ pub(super) fn map(
     alone: impl Fn(f64) -> f64,
 ) {
     const LANES: usize = 8;
-    for (y, x) in out.iter_mut().zip(xs) {
-        *y = in_lanes(*x);
-    }
+    let ys = &mut *out;
+    vectorised(
+        #[inline(always)]
+        move || {
+            for (y, x) in ys.iter_mut().zip(xs) {
+                *y = in_lanes(*x);
+            }
+        },
+    );
     for (ys, xs) in out.chunks_mut(LANES).zip(xs.chunks(LANES)) {
         if ys.iter().fold(false, |any, y| any | y.is_nan()) {
             for (y, x) in ys.iter_mut().zip(xs).filter(|(y, _)| y.is_nan()) {

@@ -140,7 +140,8 @@ impl InverseCdf for Cauchy {
     }
 
     fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
-        batch::places(xi, xs, |u| self.place(u));
+        let this = *self; // which no write to `xs` can change
+        batch::places(xi, xs, move |u| this.place(u));
     }
 }
 

@@ -149,7 +149,7 @@ impl TwoSided for Exponential {
         match self.decay.logarithm {
             Some(l) => {
                 let this = *self; // which no write to `xs` can change
-                batch::places(xi, xs, |u| this.in_lanes(&l, u, 1.0 - u));
+                batch::places(xi, xs, move |u| this.in_lanes(&l, u, 1.0 - u));
             }
             None => batch::places(xi, xs, |u| self.place(u, 1.0 - u)),
         }

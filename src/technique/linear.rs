@@ -140,7 +140,8 @@ impl TwoSided for Linear {
 
     fn places(&self, xi: &[f64], xs: &mut [f64]) {
         let (lowest, highest) = self.sampled();
-        batch::places(xi, xs, |u| clamp(self.root(u, 1.0 - u), lowest, highest));
+        let this = *self; // which no write to `xs` can change
+        batch::places(xi, xs, move |u| clamp(this.root(u, 1.0 - u), lowest, highest));
     }
 }
 

@@ -52,6 +52,8 @@ pub use truncated_cauchy::TruncatedCauchy;
 pub use truncated_normal::TruncatedNormal;
 pub use uniform::Uniform;
 
+use crate::vectors::vectorised;
+
 /// A sampleable pdf: a map from canonical numbers to points, and the density that the map
 /// produces.
 ///
@@ -145,9 +147,14 @@ pub trait Technique: Sync {
         let (old, new) = xi.split_at(old * dimension);
         if dimension == 1 {
             // The common case, without the bookkeeping of rows.
-            for (x, u) in xs.iter_mut().zip(old) {
-                self.sample_into(std::slice::from_ref(u), x);
-            }
+            vectorised(
+                #[inline(always)]
+                || {
+                    for (x, u) in xs.iter_mut().zip(old) {
+                        self.sample_into(std::slice::from_ref(u), x);
+                    }
+                },
+            );
         } else {
             for (x, row) in xs.iter_mut().zip(old.chunks_exact(dimension)) {
                 self.sample_into(row, x);
@@ -158,9 +165,14 @@ pub trait Technique: Sync {
 
     /// [`pdf`](Technique::pdf) of every point of `xs`, into `out` of the same length.
     fn pdf_batch(&self, xs: &[Self::Point], out: &mut [f64]) {
-        for (p, x) in out.iter_mut().zip(xs) {
-            *p = self.pdf(x);
-        }
+        vectorised(
+            #[inline(always)]
+            || {
+                for (p, x) in out.iter_mut().zip(xs) {
+                    *p = self.pdf(x);
+                }
+            },
+        );
     }
 }
 
@@ -203,6 +215,24 @@ pub trait InverseCdf: Technique<Point = f64> {
         for (x, u) in xs.iter_mut().zip(xi) {
             *x = self.sample(std::slice::from_ref(u));
         }
+    }
+
+    /// The points of independent coordinates, from as many rows of `xi`.
+    #[doc(hidden)]
+    fn sample_rows<P: AsMut<[f64]>>(coordinates: &[Self], xi: &[f64], xs: &mut [P])
+    where
+        Self: Sized,
+    {
+        columns::fill_columns(coordinates, xi, xs);
+    }
+
+    /// The densities of points of independent coordinates, each as long as `coordinates`.
+    #[doc(hidden)]
+    fn pdf_rows<P: AsRef<[f64]>>(coordinates: &[Self], xs: &[P], out: &mut [f64])
+    where
+        Self: Sized,
+    {
+        columns::densities(coordinates, xs, out);
     }
 }
 

@@ -132,7 +132,8 @@ impl InverseCdf for Normal {
     }
 
     fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
-        batch::map(xi, xs, |u| self.central(open(u)), |u| self.in_tail(open(u)));
+        let this = *self; // which no write to `xs` can change
+        batch::map(xi, xs, move |u| this.central(open(u)), |u| self.in_tail(open(u)));
     }
 }
 

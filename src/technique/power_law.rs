@@ -228,7 +228,7 @@ impl Technique for PowerLaw {
 
     fn pdf_batch(&self, xs: &[f64], out: &mut [f64]) {
         let this = *self; // which no write to `out` can change
-        batch::map(xs, out, |x| this.density(x), |x| self.far_density(x));
+        batch::map(xs, out, move |x| this.density(x), |x| self.far_density(x));
     }
 }
 
@@ -259,7 +259,7 @@ impl TwoSided for PowerLaw {
         match self.decay.logarithm {
             Some(l) => {
                 let this = *self; // which no write to `xs` can change
-                batch::places(xi, xs, |u| this.in_lanes(&l, u, 1.0 - u));
+                batch::places(xi, xs, move |u| this.in_lanes(&l, u, 1.0 - u));
             }
             None => batch::places(xi, xs, |u| self.place(u, 1.0 - u)),
         }

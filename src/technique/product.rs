@@ -1,6 +1,6 @@
 //! Products of independent coordinates: arrays of fixed length, vectors of run-time length, boxes.
 
-use super::columns::{densities, density, fill_columns, ln_density};
+use super::columns::{density, ln_density};
 use super::{InverseCdf, Technique, Uniform};
 use crate::error::{ArgumentError, finite, greater};
 
@@ -103,11 +103,11 @@ impl<T: InverseCdf, const D: usize> Technique for Product<T, D> {
         if xs.len() < n {
             xs.resize(n, [0.0; D]);
         }
-        fill_columns(&self.coordinates, xi, &mut xs[..n]);
+        T::sample_rows(&self.coordinates, xi, &mut xs[..n]);
     }
 
     fn pdf_batch(&self, xs: &[[f64; D]], out: &mut [f64]) {
-        densities(&self.coordinates, xs, out);
+        T::pdf_rows(&self.coordinates, xs, out);
     }
 }
 
@@ -210,12 +210,12 @@ impl<T: InverseCdf> Technique for ProductVec<T> {
         for x in &mut xs[..n] {
             x.resize(self.coordinates.len(), 0.0);
         }
-        fill_columns(&self.coordinates, xi, &mut xs[..n]);
+        T::sample_rows(&self.coordinates, xi, &mut xs[..n]);
     }
 
     fn pdf_batch(&self, xs: &[Vec<f64>], out: &mut [f64]) {
         if xs.iter().all(|x| x.len() == self.coordinates.len()) {
-            densities(&self.coordinates, xs, out);
+            T::pdf_rows(&self.coordinates, xs, out);
         } else {
             for (p, x) in out.iter_mut().zip(xs) {
                 *p = self.pdf(x);

@@ -194,7 +194,7 @@ impl TwoSided for TruncatedCauchy {
 
     fn places(&self, xi: &[f64], xs: &mut [f64]) {
         let this = *self; // which no write to `xs` can change
-        batch::places(xi, xs, |u| this.place(u, 1.0 - u));
+        batch::places(xi, xs, move |u| this.place(u, 1.0 - u));
     }
 }
 

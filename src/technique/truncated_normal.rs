@@ -321,7 +321,7 @@ impl TwoSided for TruncatedNormal {
 
     fn places(&self, xi: &[f64], xs: &mut [f64]) {
         let this = *self; // which no write to `xs` can change
-        let central = |u| this.central(open(u), 1.0 - open(u));
+        let central = move |u| this.central(open(u), 1.0 - open(u));
         batch::map(xi, xs, central, |u| self.near_end(open(u), 1.0 - open(u)));
     }
 }

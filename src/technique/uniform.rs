@@ -1,7 +1,9 @@
 //! The uniform density on a finite interval.
 
-use super::{InverseCdf, Technique, batch, canonical};
+use super::columns::density;
+use super::{InverseCdf, Technique, batch, canonical, open};
 use crate::error::{ArgumentError, finite, greater};
+use crate::vectors::vectorised;
 
 /// The uniform density on \[a, b\], with respect to length.
 ///
@@ -46,6 +48,11 @@ impl Uniform {
         Self { a: 0.0, b: 1.0 }
     }
 
+    #[inline]
+    fn contains(&self, x: f64) -> bool {
+        (self.a <= x) & (x <= self.b)
+    }
+
     /// From the nearer end, so that neither end is overshot by rounding.
     fn place(&self, u: f64) -> f64 {
         let width = self.b - self.a;
@@ -65,7 +72,7 @@ impl Technique for Uniform {
     }
 
     fn pdf(&self, x: &f64) -> f64 {
-        if self.a <= *x && *x <= self.b { (self.b - self.a).recip() } else { 0.0 }
+        if self.contains(*x) { (self.b - self.a).recip() } else { 0.0 }
     }
 
     fn sample_batch(&self, xi: &[f64], xs: &mut Vec<f64>) {
@@ -98,6 +105,40 @@ impl InverseCdf for Uniform {
     }
 
     fn sample_slice(&self, xi: &[f64], xs: &mut [f64]) {
-        batch::places(xi, xs, |u| self.place(u));
+        let this = *self; // which no write to `xs` can change
+        batch::places(xi, xs, move |u| this.place(u));
+    }
+
+    fn sample_rows<P: AsMut<[f64]>>(coordinates: &[Self], xi: &[f64], xs: &mut [P]) {
+        // The coordinates of a point go into one vector.
+        vectorised(
+            #[inline(always)]
+            || {
+                for (x, xi) in xs.iter_mut().zip(xi.chunks_exact(coordinates.len())) {
+                    for ((x, u), t) in x.as_mut().iter_mut().zip(xi).zip(coordinates) {
+                        *x = t.place(open(*u));
+                    }
+                }
+            },
+        );
+    }
+
+    fn pdf_rows<P: AsRef<[f64]>>(coordinates: &[Self], xs: &[P], out: &mut [f64]) {
+        // It is the same wherever it is not 0.
+        let mut within = None;
+        vectorised(
+            #[inline(always)]
+            || {
+                for (p, x) in out.iter_mut().zip(xs) {
+                    let x = x.as_ref();
+                    let is_within = |inside, (t, x): (&Self, &f64)| inside & t.contains(*x);
+                    *p = if coordinates.iter().zip(x).fold(true, is_within) {
+                        *within.get_or_insert_with(|| density(coordinates, x))
+                    } else {
+                        0.0
+                    };
+                }
+            },
+        );
     }
 }

@@ -178,7 +178,7 @@ impl<'a> Densities<'a> {
     }
 
     /// For each technique, its factor a_k and its pdf at all points of the block.
-    pub fn rows(&self) -> impl Iterator<Item = (f64, &'a [f64])> {
+    pub fn rows(&self) -> impl Iterator<Item = (f64, &'a [f64])> + Clone {
         self.factors.iter().copied().zip(self.pdfs.chunks_exact(self.points))
     }
 

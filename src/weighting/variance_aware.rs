@@ -114,7 +114,7 @@ impl Weighting for VarianceAware {
         _: &mut [f64],
         out: &mut [f64],
     ) {
-        let rows = || q.rows().zip(&self.factors).map(|((a, p), v)| (a * v, p));
+        let rows = q.rows().zip(&self.factors).map(|((a, p), v)| (a * v, p));
         super::balance::reciprocal_sums(rows, out);
         // A reciprocal that is infinite or NaN stays so.
         let own = at(&self.factors, i);
