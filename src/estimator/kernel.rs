@@ -1,7 +1,6 @@
 //! The block kernel: every sample of every estimator passes through it.
 
 use std::fmt::Debug;
-use std::slice::ChunksExact;
 
 use super::Dyn;
 use super::controls::Controls;
@@ -185,24 +184,8 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         let constant = self.weighting.constant_weight(i, self.alpha);
         let own_only = constant.is_some() && self.controls.is_none();
         let sound = self.densities(i, own_only, xs, pdfs);
-        if let Some(w) = constant {
-            let a = self.density_factors[i];
-            for (factor, p) in factors.iter_mut().zip(&pdfs[i * n..]) {
-                let q = a * p;
-                *factor = if SAFE.contains(&q) { w / q } else { f64::NAN };
-            }
-        } else {
-            let q = Densities::new(self.density_factors, pdfs, n);
-            self.weighting.weight_over_density_batch(i, &q, &mut ratios.r, factors);
-        }
-        let model = self.density_factors[i] / self.alpha[i];
-        if model != 1.0 {
-            for factor in factors.iter_mut() {
-                *factor *= model;
-            }
-        }
-
-        let mut any_zero = true;
+        self.factors(i, constant, pdfs, &mut ratios.r, factors);
+        let (mut any_zero, mut changed) = (true, false);
         for (c, y) in y.chunks_exact_mut(self.block).enumerate() {
             let sums = lanes::products(values, c, factors, &mut y[..n]);
             blocks[c] = Moments::of_sums(&y[..n], &sums);
@@ -211,39 +194,31 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         // A factor that is not exact is NaN, and so is then its contribution.
         if !(sound && blocks.iter().all(|block| block.mean.is_finite())) {
             for j in 0..n {
-                let rows = pdfs.chunks_exact(n);
-                match self.check(i, (&xs[j], &values[j]), rows, y, j, ratios) {
-                    Ok(None) => {}
-                    Ok(Some(ln_factor)) => {
-                        factors[j] = ln_factor.exp();
-                        // From here on, only the ratios of the densities matter.
-                        let rows = pdfs.chunks_exact_mut(n).zip(self.density_factors);
-                        for ((row, a), r) in rows.zip(&ratios.r).filter(|((_, a), _)| **a > 0.0) {
-                            row[j] = r / a;
-                        }
-                    }
+                let checked = self.check(i, (&xs[j], &values[j]), pdfs, (n, j), y, ratios);
+                let ln_factor = match checked {
+                    Ok(ln_factor) => ln_factor,
                     Err(fault) if self.on_fault == OnFault::Error => {
                         return Err(EstimateError::new(i, index(j), &xs[j], &values[j], &fault));
                     }
                     Err(fault) => {
                         sums.part.counts[i].count(&fault);
-                        factors[j] = 0.0;
                         y.chunks_exact_mut(self.block).for_each(|y| y[j] = 0.0);
+                        Some(f64::NEG_INFINITY)
                     }
-                }
+                };
+                factors[j] = ln_factor.map_or(factors[j], f64::exp);
             }
-            for (block, y) in blocks.iter_mut().zip(y.chunks_exact(self.block)) {
-                *block = Moments::of_block(&y[..n]);
-            }
-            any_zero = true;
+            changed = true;
         }
-
         if let Some(controls) = self.controls {
             controls.subtract(self.alpha, pdfs, n, y.chunks_exact_mut(self.block));
+            changed = true;
+        }
+        if changed {
+            any_zero = true;
             for (block, y) in blocks.iter_mut().zip(y.chunks_exact(self.block)) {
                 *block = Moments::of_block(&y[..n]);
             }
-            any_zero = true;
         }
 
         for (j, ((x, value), weight)) in xs.iter().zip(&*values).zip(&*factors).enumerate() {
@@ -304,38 +279,67 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         sound
     }
 
-    /// Looks at sample `j` of a block alone: turns to logarithms where densities leave the range,
+    /// w_i / q_i at all points of a block, times a_i / α_i; NaN where it has not all its digits.
+    fn factors(
+        &self,
+        i: usize,
+        constant: Option<f64>,
+        pdfs: &[f64],
+        r: &mut [f64],
+        factors: &mut [f64],
+    ) {
+        let n = factors.len();
+        if let Some(w) = constant {
+            let a = self.density_factors[i];
+            for (factor, p) in factors.iter_mut().zip(&pdfs[i * n..]) {
+                let q = a * p;
+                *factor = if SAFE.contains(&q) { w / q } else { f64::NAN };
+            }
+        } else {
+            let q = Densities::new(self.density_factors, pdfs, n);
+            self.weighting.weight_over_density_batch(i, &q, r, factors);
+        }
+        let model = self.density_factors[i] / self.alpha[i];
+        if model != 1.0 {
+            for factor in factors {
+                *factor *= model;
+            }
+        }
+    }
+
+    /// Looks at sample `j` of a block of `n` alone: turns to logarithms where densities leave the range,
     /// and finds what is wrong with it. `pdfs` holds a row for each technique. Returns the logarithm
-    /// of the factor, where the factor itself is not what the contribution was made of.
+    /// of the factor, where the factor itself is not what the contribution was made of; the pdfs then
+    /// have only their ratios left.
     fn check<V: Value>(
         &self,
         i: usize,
         (x, value): (&P, &V),
-        pdfs: ChunksExact<'_, f64>,
+        pdfs: &mut [f64],
+        (n, j): (usize, usize),
         y: &mut [f64],
-        j: usize,
         Ratios { r, ln_r }: &mut Ratios,
     ) -> Result<Option<f64>, Fault> {
         if !value.is_finite() {
             return Err(Fault::Value);
         }
         let constant = self.weighting.constant_weight(i, self.alpha);
-        for (of, row) in pdfs.clone().enumerate() {
+        let evaluated = |k: usize| constant.is_none() || self.controls.is_some() || k == i;
+        for (of, row) in pdfs.chunks_exact(n).enumerate() {
             let pdf = row[j];
-            let evaluated = constant.is_none() || of == i;
-            if evaluated && !(pdf >= 0.0) {
+            if evaluated(of) && !(pdf >= 0.0) {
                 return Err(Fault::Density { of, pdf });
             }
         }
         // A pdf of 0 may have underflowed, an infinite one overflowed; the logarithm knows.
-        let underflowed = pdfs.clone().nth(i).is_none_or(|row| row[j] == 0.0);
+        let underflowed = pdfs.chunks_exact(n).nth(i).is_none_or(|row| row[j] == 0.0);
         let finite = (0..V::COMPONENTS).all(|c| y[c * self.block + j].is_finite());
         if finite && !underflowed {
             return Ok(None);
         }
-        for ((k, ln_q), row) in ln_r.iter_mut().enumerate().zip(pdfs) {
+        for ((k, ln_q), row) in ln_r.iter_mut().enumerate().zip(pdfs.chunks_exact(n)) {
             *ln_q = f64::NEG_INFINITY;
-            if self.alpha[k] == 0.0 || (constant.is_some() && k != i) {
+            if self.alpha[k] == 0.0 || !evaluated(k) {
                 continue;
             }
             let ln_pdf = self.techniques[k].ln_pdf(x);
@@ -349,19 +353,19 @@ impl<P: Debug, W: Weighting> Kernel<'_, P, W> {
         }
         let largest = ln_r.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let own = ln_r[i];
-        let ln_weight_over_density = if let Some(w) = constant {
-            w.ln() - own
-        } else {
-            for (r, ln_r) in r.iter_mut().zip(ln_r.iter_mut()) {
-                // An infinite density takes the weight from all finite ones.
-                *ln_r = if *ln_r == largest { 0.0 } else { *ln_r - largest };
-                *r = ln_r.exp();
-            }
-            if ln_r[i] == f64::NEG_INFINITY {
-                f64::NEG_INFINITY
-            } else {
-                self.weighting.ln_weight_over_ratio(i, ln_r, r) - largest
-            }
+        for (r, ln_r) in r.iter_mut().zip(ln_r.iter_mut()) {
+            // An infinite density takes the weight from all finite ones.
+            *ln_r = if *ln_r == largest { 0.0 } else { *ln_r - largest };
+            *r = ln_r.exp();
+        }
+        let rows = pdfs.chunks_exact_mut(n).zip(self.density_factors);
+        for ((row, a), r) in rows.zip(&*r).filter(|((_, a), _)| **a > 0.0) {
+            row[j] = r / a;
+        }
+        let ln_weight_over_density = match constant {
+            Some(w) => w.ln() - own,
+            None if ln_r[i] == f64::NEG_INFINITY => f64::NEG_INFINITY,
+            None => self.weighting.ln_weight_over_ratio(i, ln_r, r) - largest,
         };
         let ln_factor = ln_weight_over_density + (self.density_factors[i] / self.alpha[i]).ln();
         for c in 0..V::COMPONENTS {

@@ -27,17 +27,17 @@ impl Weighting for Balance {
         _: &mut [f64],
         out: &mut [f64],
     ) {
-        reciprocal_sums(q.rows(), out);
+        reciprocal_sums(&q.rows(), out);
     }
 }
 
 /// 1 / Σ a_k p_k at every point of a block; infinite or NaN where the sum leaves the range.
 #[inline]
 pub(super) fn reciprocal_sums<'a>(
-    rows: impl Iterator<Item = (f64, &'a [f64])> + Clone,
+    rows: &(impl Iterator<Item = (f64, &'a [f64])> + Clone),
     out: &mut [f64],
 ) {
-    let greatest = dispatch!(Level::new(), simd => by_sixteens(simd, &rows, out));
+    let greatest = dispatch!(Level::new(), simd => by_sixteens(simd, rows, out));
     let whole = out.len() - out.len() % POINTS;
     // A c that is too small has an infinite reciprocal, which shows; a c that is too large does
     // not. NaN stays NaN.

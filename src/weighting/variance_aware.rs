@@ -115,7 +115,7 @@ impl Weighting for VarianceAware {
         out: &mut [f64],
     ) {
         let rows = q.rows().zip(&self.factors).map(|((a, p), v)| (a * v, p));
-        super::balance::reciprocal_sums(rows, out);
+        super::balance::reciprocal_sums(&rows, out);
         // A reciprocal that is infinite or NaN stays so.
         let own = at(&self.factors, i);
         for out in out {
