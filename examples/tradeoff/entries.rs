@@ -82,9 +82,7 @@ impl Points {
 }
 
 /// The techniques of a case, as estimators take them.
-pub(crate) fn list<'a, P, F: ?Sized>(
-    case: &Case<'a, P, F>,
-) -> Vec<&'a dyn Technique<Point = P>> {
+pub(crate) fn list<'a, P, F: ?Sized>(case: &Case<'a, P, F>) -> Vec<&'a dyn Technique<Point = P>> {
     case.techniques.iter().map(|named| named.technique).collect()
 }
 

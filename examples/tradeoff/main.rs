@@ -8,10 +8,15 @@
 //! `cargo run --release --example tradeoff`, or with options:
 //! `... --example tradeoff -- --seeds 200 --samples 262144 --out /tmp/page`
 
+mod charts;
+mod checks;
 mod entries;
 mod measure;
 mod options;
+mod page;
+mod plot;
 mod problems;
+mod winners;
 
 use std::error::Error;
 use std::io::{IsTerminal, stderr};
@@ -51,15 +56,14 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     problems::visit_all(&mut runner)?;
     let results = runner.results;
     bar.finish_and_clear();
-    for r in &results {
-        println!("{} {} planning {}", r.name, r.exact, r.planning);
-        for s in &r.series {
-            let p = s.entry.predicted;
-            println!("  {:<45} err {:.3e} var {:.4e} ± {:.0e} pred {:.4e} {:?} z {:.2} ns {:.1} eff {:.3e} {}", s.entry.name, s.error(), s.variance.0, s.variance.1 / s.variance.0,
-                p.map_or(f64::NAN, |p| p.variance), p.and_then(|p| p.caution), s.z, s.nanoseconds(), s.efficiency().0, if s.entry.plan { "PLAN" } else { "" });
-        }
-    }
-    println!("{:.1} s", start.elapsed().as_secs_f64());
+
+    let rows = winners::rows(&results);
+    winners::print(&rows);
+    std::fs::create_dir_all(&options.out)?;
+    let path = options.out.join("index.html");
+    std::fs::write(&path, page::html(&results, &rows, options, &machine()))?;
+    println!("\n{}", checks::all(&results)?);
+    println!("written to {}, after {:.1} s", path.display(), start.elapsed().as_secs_f64());
     Ok(())
 }
 
@@ -73,4 +77,14 @@ fn bar(options: &Options) -> Result<ProgressBar, Box<dyn Error>> {
     let style = ProgressStyle::with_template("[{bar:30}] {percent:>3} % {elapsed} {msg}")?;
     let bar = ProgressBar::with_draw_target(Some(options.work()), target);
     Ok(bar.with_style(style.progress_chars("=> ")))
+}
+
+/// The processor, where it says what it is.
+fn machine() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find_map(|line| line.strip_prefix("model name")?.split(": ").nth(1));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let model: String =
+        model.unwrap_or(std::env::consts::ARCH).chars().filter(|c| !"<>&".contains(*c)).collect();
+    format!("{model}, {cores} cores, {}", std::env::consts::OS)
 }

@@ -46,7 +46,7 @@ pub(crate) struct Point {
     pub(crate) samples: u64,
     /// The mean squared relative error, with its standard error.
     pub(crate) mse: (f64, f64),
-    /// The median time of an estimate.
+    /// The first decile of the times of an estimate.
     pub(crate) seconds: f64,
 }
 
@@ -95,6 +95,11 @@ impl Series {
         ((variance * seconds).recip(), error / variance)
     }
 
+    /// By what the best is chosen: efficiency; of those that are exact, time.
+    pub(crate) fn worth(&self) -> f64 {
+        if self.is_exact() { 1e100 / self.nanoseconds() } else { self.efficiency().0 }
+    }
+
     pub(crate) fn nanoseconds(&self) -> f64 {
         self.last().map_or(f64::NAN, |last| 1e9 * last.seconds / last.samples as f64)
     }
@@ -118,7 +123,7 @@ impl Results {
     /// The most efficient of some.
     pub(crate) fn best(&self, is: impl Fn(&Series) -> bool) -> Option<&Series> {
         let some = self.series.iter().filter(|series| is(series));
-        some.max_by(|a, b| a.efficiency().0.total_cmp(&b.efficiency().0))
+        some.max_by(|a, b| a.worth().total_cmp(&b.worth()))
     }
 
     pub(crate) fn plan(&self) -> Option<&Series> {
@@ -250,7 +255,8 @@ fn series(entry: Entry, sizes: &[u64], samples: Vec<Vec<Sample>>) -> Series {
         let squares: Vec<f64> = errors.iter().map(|e| e * e).collect();
         let mut seconds: Vec<f64> = samples.iter().map(|(_, seconds)| *seconds).collect();
         seconds.sort_unstable_by(f64::total_cmp);
-        let seconds = seconds[seconds.len() / 2];
+        // Other processes only add to it.
+        let seconds = seconds[seconds.len() / 10];
         points.push(Point { samples: *n, mse: mean(&squares), seconds });
         if *n >= SETTLED {
             pooled.extend(squares.iter().map(|square| square * *n as f64));

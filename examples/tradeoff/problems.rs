@@ -84,10 +84,10 @@ fn sine_cosine(visitor: &mut impl Visit) -> Result<(), Box<dyn Error>> {
         f: &f,
         techniques: vec![named("cos", &cosine, true), named("sin", &sine, true)],
         costs: Nanoseconds {
-            sampling: &[12.0, 14.0],
-            pdf: &[9.0, 9.0],
-            integrand: 18.0,
-            combining: 12.0,
+            sampling: &[12.5, 12.0],
+            pdf: &[8.2, 7.9],
+            integrand: 10.0,
+            combining: 3.5,
         },
     })?;
     visitor.visit(&Case {
@@ -101,10 +101,10 @@ fn sine_cosine(visitor: &mut impl Visit) -> Result<(), Box<dyn Error>> {
             named("uniform", &uniform, true),
         ],
         costs: Nanoseconds {
-            sampling: &[12.0, 14.0, 1.0],
-            pdf: &[9.0, 9.0, 1.0],
-            integrand: 18.0,
-            combining: 12.0,
+            sampling: &[12.5, 12.0, 0.5],
+            pdf: &[8.2, 7.9, 0.2],
+            integrand: 10.0,
+            combining: 3.5,
         },
     })
 }
@@ -126,10 +126,10 @@ fn family_a(visitor: &mut impl Visit) -> Result<(), Box<dyn Error>> {
         f: &|x: &f64| x.sqrt() + x.sin(),
         techniques: vec![named("2 − x", &ramp, true), named("sin²", &squared, true)],
         costs: Nanoseconds {
-            sampling: &[3.0, 250.0],
-            pdf: &[2.0, 12.0],
-            integrand: 12.0,
-            combining: 12.0,
+            sampling: &[6.5, 315.0],
+            pdf: &[1.9, 8.1],
+            integrand: 7.7,
+            combining: 3.6,
         },
     })
 }
@@ -159,10 +159,10 @@ fn families_d_e(visitor: &mut impl Visit) -> Result<(), Box<dyn Error>> {
         ]
     };
     let costs = || Nanoseconds {
-        sampling: &[3.0, 180.0, 16.0],
-        pdf: &[2.0, 3.0, 9.0],
-        integrand: 10.0,
-        combining: 12.0,
+        sampling: &[6.4, 266.0, 16.0],
+        pdf: &[1.9, 0.5, 9.5],
+        integrand: 9.5,
+        combining: 3.6,
     };
     visitor.visit(&Case {
         name: "D: in the span",
@@ -210,10 +210,10 @@ fn product(visitor: &mut impl Visit) -> Result<(), Box<dyn Error>> {
         },
         techniques: vec![named("powers", &pole, true), named("exponentials", &growth, false)],
         costs: Nanoseconds {
-            sampling: &[50.0, 50.0],
-            pdf: &[50.0, 30.0],
-            integrand: 130.0,
-            combining: 15.0,
+            sampling: &[47.0, 23.0],
+            pdf: &[54.0, 15.0],
+            integrand: 51.0,
+            combining: 8.4,
         },
     })
 }
@@ -254,10 +254,10 @@ fn peaks(visitor: &mut impl Visit) -> Result<(), Box<dyn Error>> {
             named("uniform", &cube, true),
         ],
         costs: Nanoseconds {
-            sampling: &[60.0, 60.0, 60.0, 4.0],
-            pdf: &[30.0, 30.0, 30.0, 3.0],
-            integrand: 40.0,
-            combining: 15.0,
+            sampling: &[41.0, 41.0, 41.0, 3.1],
+            pdf: &[17.0, 17.0, 17.0, 2.8],
+            integrand: 71.0,
+            combining: 7.5,
         },
     })
 }
@@ -305,10 +305,10 @@ fn lighting(visitor: &mut impl Visit) -> Result<(), Box<dyn Error>> {
             f: &ReflectedRadiance::new(&incident, surface, &bsdf),
             techniques: vec![named("light", seen, true), named("lobe", &lobe, true)],
             costs: Nanoseconds {
-                sampling: &[30.0, 30.0],
-                pdf: &[10.0, 12.0],
-                integrand: 25.0,
-                combining: 12.0,
+                sampling: &[23.5, 35.5],
+                pdf: &[4.0, 9.7],
+                integrand: 15.4,
+                combining: 4.7,
             },
         })?;
     }
