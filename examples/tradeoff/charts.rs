@@ -29,8 +29,8 @@ pub(crate) fn weightings(results: &Results) -> Vec<Curve<'_>> {
         ("one-sample", style(7, 4, 0)),
         ("balance", style(4, 0, 0)),
         ("balance, adaptive shares", style(3, 1, 3)),
-        ("optimal MIS, progressive", style(5, 2, 4)),
-        ("optimal MIS, cross-fit", style(5, 0, 1)),
+        ("optimal MIS (progressive)", style(5, 2, 4)),
+        ("optimal MIS (cross-fit)", style(5, 0, 1)),
     ] {
         curves.extend(results.named(name).map(|series| (series, series.entry.name.clone(), style)));
     }
@@ -39,7 +39,7 @@ pub(crate) fn weightings(results: &Results) -> Vec<Curve<'_>> {
 }
 
 fn plan(results: &Results) -> Option<Curve<'_>> {
-    results.plan().map(|plan| (plan, format!("plan: {}", plan.entry.name), PLAN))
+    results.plan().map(|plan| (plan, "recommended plan".to_string(), PLAN))
 }
 
 /// Other points, under a few weightings.
@@ -52,7 +52,7 @@ pub(crate) fn points(results: &Results) -> Vec<Curve<'_>> {
         ("balance, Sobol’", style(4, 3, 4)),
         ("maximum, Sobol’", style(6, 3, 4)),
         ("constant, equal, Sobol’", style(1, 3, 4)),
-        ("optimal MIS, cross-fit, Sobol’", style(5, 3, 4)),
+        ("optimal MIS (cross-fit), Sobol’", style(5, 3, 4)),
     ] {
         curves.extend(results.named(name).map(|series| (series, series.entry.name.clone(), style)));
     }
@@ -68,10 +68,10 @@ pub(crate) fn points(results: &Results) -> Vec<Curve<'_>> {
 pub(crate) fn fast(results: &Results) -> Vec<Curve<'_>> {
     let mut curves = weightings(results);
     curves.retain(|(_, name, _)| {
-        !["one-sample", "maximum", "optimal MIS, progressive"].contains(&name.as_str())
+        !["one-sample", "maximum", "optimal MIS (progressive)"].contains(&name.as_str())
     });
     for (series, name, style) in points(results) {
-        if ["balance, Sobol’", "optimal MIS, cross-fit, Sobol’", "plan, Sobol’"]
+        if ["balance, Sobol’", "optimal MIS (cross-fit), Sobol’", "plan, Sobol’"]
             .contains(&name.as_str())
         {
             curves.push((series, name, style));
@@ -116,14 +116,15 @@ pub(crate) fn errors(
     let [low, high] = range.ends();
     let room = (high / low).log10() * 0.052 * exact as f64;
     let y = Scale::around([low, high], [room, 0.0]);
-    let mut picture = Picture::new(id, [590.0, 410.0], [62.0, 28.0, 196.0, 50.0], x, y);
+    let mut picture = Picture::new(id, [590.0, 410.0], [62.0, 28.0, 200.0, 50.0], x, y);
     picture.title(letter, title);
     let x_label = match against {
         Against::Samples => "samples N",
         Against::Time(_) => "time t / s, one core",
     };
     picture.axes(x_label, "relative error (RMS)");
-    guides(&mut picture, &all, against);
+    let bottom = picture.frame[3] - 16.0 * exact as f64;
+    guides(&mut picture, against, bottom);
     if let Against::Time(planning) = against {
         if picture.x.has(planning) {
             let [low, high] = picture.y.ends();
@@ -159,23 +160,23 @@ pub(crate) fn errors(
     picture.svg()
 }
 
-/// Slopes to compare with: three lines that meet at the right, above all curves.
-fn guides(picture: &mut Picture, all: &[[f64; 4]], against: Against) {
+/// Slopes to compare with: three short lines from one point, where curves that fall leave room.
+fn guides(picture: &mut Picture, against: Against, bottom: f64) {
     let variable = if against == Against::Samples { "N" } else { "t" };
-    let [from, to] = picture.x.ends();
-    let [low, high] = picture.y.ends();
-    let x = to / 10f64.powf(0.05 * (to / from).log10());
-    let near = |p: &&[f64; 4]| p[0] > 0.1 * x;
-    let above = all.iter().filter(near).map(|p| p[3]).fold(low, f64::max);
-    // A little above the flattest of the curves, as it would be at the right.
-    let y = (above * 0.62).min(0.6 * high);
+    let [left, top, right, _] = picture.frame;
+    let from = [left + 12.0, bottom - 0.36 * (bottom - top)];
+    // Pixels down for each pixel to the right, of slope -1.
+    let slope = picture.y.decade().abs() / picture.x.decade().abs();
     for (power, label) in [(0.5, "−1/2"), (1.0, "−1"), (1.5, "−3/2")] {
-        let length = ((0.86 * high / y).log10() / power).min(0.55 * (to / from).log10());
-        let end = [x * 10f64.powf(-length), y * 10f64.powf(length * power)];
-        picture.segment([x, y], end, "guide");
-        let at = [picture.x.at(end[0]) - 3.0, picture.y.at(end[1]) + 3.0];
+        let room = bottom - 8.0 - from[1];
+        let width = (0.24 * (right - left)).min(room / (power * slope));
+        let to = [from[0] + width, from[1] + power * slope * width];
+        picture.draw(&format!(
+            "<path class='guide' d='M{:.1} {:.1}L{:.1} {:.1}'/>",
+            from[0], from[1], to[0], to[1]
+        ));
         let text = format!("{variable}<tspan class='exponent' dy='-4'>{label}</tspan>");
-        picture.text(at, "note halo", "end", &text);
+        picture.text([to[0] + 3.0, to[1] + 4.0], "note halo", "start", &text);
     }
 }
 
@@ -197,7 +198,7 @@ pub(crate) fn bars(id: &str, results: &Results) -> String {
     let values = rows.iter().filter(|s| !s.is_exact()).map(|s| relative(s));
     let x = Scale::around(values.chain([1.0]), [0.15, 0.25]);
     let height = 84.0 + 15.5 * rows.len() as f64;
-    let margins = [236.0, 28.0, 62.0, 54.0];
+    let margins = [276.0, 28.0, 58.0, 54.0];
     let mut picture = Picture::new(id, [590.0, height], margins, x, x);
     picture.title("d", "Efficiency 1 / (variance · time), relative to the best");
     picture.x_axis("relative efficiency");
@@ -280,7 +281,7 @@ pub(crate) fn scatter(id: &str, results: &Results) -> String {
         .collect();
     let values = rows.iter().flat_map(|(s, v, ..)| [*v, s.variance.0]);
     let scale = Scale::around(values, [0.15, 0.15]);
-    let margins = [62.0, 28.0, 196.0, 50.0];
+    let margins = [62.0, 28.0, 200.0, 50.0];
     let mut picture = Picture::new(id, [590.0, 410.0], margins, scale, scale);
     picture.title("e", "Predicted and realised variance of one sample");
     picture.axes("predicted N·V / μ²", "realised N·V / μ²");
@@ -332,18 +333,22 @@ pub(crate) fn ratios(all: &[Results]) -> String {
     let column = |k: f64| 10f64.powf(k);
     let x = Scale::around([column(-0.5), column(columns - 0.5)], [0.0, 0.0]);
     let y = Scale::around([0.4, 2.5], [0.0, 0.0]);
-    let mut picture = Picture::new("ratios", [1190.0, 330.0], [62.0, 10.0, 16.0, 48.0], x, y);
+    let mut picture = Picture::new("ratios", [1190.0, 356.0], [62.0, 32.0, 16.0, 52.0], x, y);
     picture.y_axis("realised / predicted variance");
     let [low, high] = picture.x.ends();
     picture.band(&[[low, 0.8, 1.2], [high, 0.8, 1.2]], "#888888", 0.22);
     picture.segment([low, 1.0], [high, 1.0], "diagonal");
+    let mut kinds: Vec<(usize, &str, Style)> = Vec::new();
     for (k, results) in all.iter().enumerate() {
         let mut rows: Vec<_> =
             results.series.iter().filter_map(|s| comparable(s).map(|p| (s, p))).collect();
         rows.sort_by_key(|(series, _)| kind(&series.entry).0);
         let count = rows.len() as f64;
         for (j, (series, (predicted, uncertainty, caution))) in rows.into_iter().enumerate() {
-            let (_, _, style) = kind(&series.entry);
+            let (order, name, style) = kind(&series.entry);
+            if kinds.iter().all(|(other, ..)| *other != order) {
+                kinds.push((order, name, style));
+            }
             let x = column(k as f64 + 0.84 * ((j as f64 + 0.5) / count - 0.5));
             let (value, error) = series.variance;
             let ratio = value / predicted;
@@ -362,7 +367,18 @@ pub(crate) fn ratios(all: &[Results]) -> String {
         }
     }
     picture.border();
+    kinds.sort_by_key(|(order, ..)| *order);
+    for (k, (_, name, style)) in kinds.into_iter().enumerate() {
+        let x = picture.frame[0] + 10.0 + 158.0 * k as f64;
+        picture.draw(&mark([x, 15.0], style, 4.0, true));
+        picture.text([x + 10.0, 19.0], "name", "start", name);
+    }
     let at = [0.5 * (picture.frame[0] + picture.frame[2]), picture.frame[3] + 40.0];
-    picture.text(at, "label", "middle", "problem; in each, a mark for every method");
+    picture.text(
+        at,
+        "label",
+        "middle",
+        "a mark for every method, with equal and with optimised shares",
+    );
     picture.svg()
 }

@@ -146,9 +146,9 @@ pub(crate) fn all<P, F: ?Sized>(case: &Case<'_, P, F>, plan: &Plan) -> Vec<Entry
         predicted: None,
         plan: false,
     };
-    entries.push(own("optimal MIS, cross-fit", Way::Fitted(Fit::default())));
-    entries.push(own("optimal MIS, direct", Way::Fitted(Fit::Direct)));
-    entries.push(own("optimal MIS, progressive", Way::Fitted(Fit::Progressive)));
+    entries.push(own("optimal MIS (cross-fit)", Way::Fitted(Fit::default())));
+    entries.push(own("optimal MIS (direct)", Way::Fitted(Fit::Direct)));
+    entries.push(own("optimal MIS (progressive)", Way::Fitted(Fit::Progressive)));
     entries.push(own("balance, adaptive shares", Way::Adaptive { controls: false }));
     entries.push(own("optimal MIS, adaptive shares", Way::Adaptive { controls: true }));
 
@@ -192,7 +192,7 @@ fn name<P, F: ?Sized>(method: &Method, case: &Case<'_, P, F>) -> String {
         Method::Maximum => "maximum".into(),
         Method::VarianceAware(_) => "variance-aware".into(),
         Method::OneSample => "one-sample".into(),
-        Method::Optimal(_) => "optimal MIS, from pilot".into(),
+        Method::Optimal(_) => "optimal MIS (pilot)".into(),
         other => other.to_string(),
     }
 }

@@ -38,13 +38,13 @@ pub(crate) fn html(results: &[Results], rows: &[Row], options: &Options, machine
          first decile of the ensemble, two threads at work ({machine}). Variances “realised” \
          are means of N (F − μ)² / μ² over all estimates with N ≥ 1024. A pilot of {PILOT} \
          samples of each technique predicts every variance, optimises shares (“opt. shares”) and recommends \
-         a plan (▸), with {costs}; pilots are not part of N or of times. “from pilot”: the control \
+         a plan (▸), with {costs}; pilots are not part of N or of times. “(pilot)”: the control \
          coefficients of optimal MIS are the pilot’s; otherwise they are made of the estimate’s own \
          samples (direct: all of them, which is slightly biased; cross-fit: of other folds; \
          progressive: of earlier batches).</p>\n\
          <h2>Predictions of all problems</h2>\n<figure>{}<figcaption><b>Figure 1.</b> What a pilot of {PILOT} \
-         samples of each technique predicts, against what comes out. Each mark is a method; colours \
-         and shapes as in (e) below; hollow marks are flagged as uncertain by the pilot itself. Grey: within \
+         samples of each technique predicts, against what comes out. Each mark is a method; \
+         hollow marks are flagged as uncertain by the pilot itself. Grey: within \
          20 %.</figcaption></figure>\n",
         charts::ratios(results)
     );

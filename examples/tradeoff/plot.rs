@@ -56,6 +56,11 @@ impl Scale {
         [10f64.powf(self.low), 10f64.powf(self.high)]
     }
 
+    /// Pixels for a decade.
+    pub(crate) fn decade(&self) -> f64 {
+        (self.to - self.from) / (self.high - self.low)
+    }
+
     /// Values with a label, and values with a tick only.
     #[allow(clippy::cast_possible_truncation)] // Decades.
     fn ticks(&self) -> (Vec<f64>, Vec<f64>) {
@@ -74,7 +79,7 @@ impl Scale {
             let all = within.iter().flat_map(|d| of.iter().map(move |m| m * 10f64.powi(*d)));
             all.filter(|v| self.has(*v)).collect()
         };
-        if span < 1.4 {
+        if span < 1.8 {
             return (multiples(&[1.0, 2.0, 5.0]), multiples(&[3.0, 4.0, 6.0, 7.0, 8.0, 9.0]));
         }
         let minor = if span < 6.0 {

@@ -69,11 +69,11 @@ pub(crate) fn plan_over_best(results: &Results) -> Option<f64> {
 /// "× 12".
 fn factor(value: f64) -> String {
     if value < 10.0 {
-        format!("× {value:.2}")
+        format!("×\u{a0}{value:.2}")
     } else if value < 9999.5 {
-        format!("× {value:.0}")
+        format!("×\u{a0}{value:.0}")
     } else {
-        format!("× {}", number_large(value))
+        format!("×\u{a0}{}", number_large(value))
     }
 }
 
