@@ -8,13 +8,15 @@
 //! `cargo run --release --example tradeoff`, or with options:
 //! `... --example tradeoff -- --seeds 200 --samples 262144 --out /tmp/page`
 
-mod charts;
+mod bars;
 mod checks;
 mod entries;
+mod errors;
 mod measure;
 mod options;
 mod page;
 mod plot;
+mod predictions;
 mod problems;
 mod winners;
 

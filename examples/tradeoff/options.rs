@@ -8,7 +8,7 @@ use crate::problems;
 
 pub(crate) const USAGE: &str = "\
 options:
-  --seeds N      estimates at each number of samples, 8 to 10000 (default 64)
+  --seeds N      estimates at each number of samples, 8 to 10000 (default 48)
   --samples N    the most samples of an estimate, rounded to a power of 2 for each technique,
                  2048 to 2^24 (default 32768)
   --quick        as --seeds 16 --samples 8192: a few seconds
@@ -29,7 +29,7 @@ impl Options {
     pub(crate) fn of_command_line(
         mut arguments: impl Iterator<Item = String>,
     ) -> Result<Option<Self>, String> {
-        let mut options = Self { seeds: 64, samples: 1 << 15, clock: false, out: default_folder() };
+        let mut options = Self { seeds: 48, samples: 1 << 15, clock: false, out: default_folder() };
         while let Some(name) = arguments.next() {
             let mut value = || arguments.next().ok_or_else(|| format!("{name} needs a value"));
             match name.as_str() {

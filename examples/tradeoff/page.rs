@@ -2,10 +2,12 @@
 
 use std::fmt::Write;
 
-use crate::charts::{self, Against};
+use crate::bars::bars;
 use crate::entries::PILOT;
+use crate::errors::{self, Against};
 use crate::measure::Results;
 use crate::options::Options;
+use crate::predictions;
 use crate::winners::{HEAD, Row};
 
 pub(crate) fn html(results: &[Results], rows: &[Row], options: &Options, machine: &str) -> String {
@@ -29,8 +31,8 @@ pub(crate) fn html(results: &[Results], rows: &[Row], options: &Options, machine
         "<p class='caption'><b>Table 1.</b> At equal samples: the least root mean square error at the most \
          samples, and how many times lower its variance is than that of the balance heuristic with \
          equal samples and random points. At equal time: the highest efficiency, 1 / (variance · time), \
-         over that of balance. Over the best single technique: the best with random points over the \
-         best technique that is of use alone. “exact”: errors below 10<sup>−12</sup> of the value. The \
+         over that of balance with random points, and over the technique that is best alone (with random \
+         points). “exact”: errors below 10<sup>−12</sup> of the value. The \
          largest of many noisy efficiencies is a little too large.</p>\n\
          <h2>Method</h2>\n<p>Every point is an ensemble of {seeds} estimates with fixed seeds; its error \
          is √(mean of (F − μ)²) / |μ| with the exact μ, and bands and whiskers are one standard error. N \
@@ -41,12 +43,14 @@ pub(crate) fn html(results: &[Results], rows: &[Row], options: &Options, machine
          a plan (▸), with {costs}; pilots are not part of N or of times. “(pilot)”: the control \
          coefficients of optimal MIS are the pilot’s; otherwise they are made of the estimate’s own \
          samples (direct: all of them, which is slightly biased; cross-fit: of other folds; \
-         progressive: of earlier batches).</p>\n\
+         progressive: of earlier batches). Shares become whole numbers of samples: coefficients of a pilot \
+         then fit a little less well, which is all the error that is left in problems D and E; and \
+         Sobol’ points, which are best in powers of 2, lose some of their evenness.</p>\n\
          <h2>Predictions of all problems</h2>\n<figure>{}<figcaption><b>Figure 1.</b> What a pilot of {PILOT} \
          samples of each technique predicts, against what comes out. Each mark is a method; \
          hollow marks are flagged as uncertain by the pilot itself. Grey: within \
          20 %.</figcaption></figure>\n",
-        charts::ratios(results)
+        predictions::ratios(results)
     );
     for (k, results) in results.iter().enumerate() {
         problem(&mut out, k, results);
@@ -77,29 +81,29 @@ fn table(out: &mut String, rows: &[Row]) {
 
 fn problem(out: &mut String, k: usize, results: &Results) {
     let id = |letter: char| format!("p{k}{letter}");
-    let weightings = charts::weightings(results);
-    let points = charts::points(results);
-    let fast = charts::fast(results);
-    let a = charts::errors(
+    let weightings = errors::weightings(results);
+    let points = errors::points(results);
+    let fast = errors::fast(results);
+    let a = errors::chart(
         &id('a'),
         ["a", "Error against samples: weightings, random points"],
         &weightings,
         Against::Samples,
     );
-    let b = charts::errors(
+    let b = errors::chart(
         &id('b'),
         ["b", "Error against samples: sources of points"],
         &points,
         Against::Samples,
     );
-    let c = charts::errors(
+    let c = errors::chart(
         &id('c'),
         ["c", "Error against time"],
         &fast,
         Against::Time(results.planning),
     );
-    let d = charts::bars(&id('d'), results);
-    let e = charts::scatter(&id('e'), results);
+    let d = bars(&id('d'), results);
+    let e = predictions::scatter(&id('e'), results);
     let best = results
         .best_single()
         .map_or(String::new(), |single| format!(" Best single technique: {}.", single.entry.name));

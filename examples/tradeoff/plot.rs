@@ -19,6 +19,11 @@ pub(crate) struct Style {
     pub(crate) width: f64,
 }
 
+/// By number, of usual width.
+pub(crate) const fn style(colour: usize, dash: usize, mark: usize) -> Style {
+    Style { colour, dash, mark, width: 1.6 }
+}
+
 /// A logarithmic axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scale {

@@ -1,6 +1,7 @@
 //! Who wins, where, and by how much.
 
-use crate::charts::number;
+use crate::bars::number;
+use crate::entries::Points;
 use crate::measure::{Results, Series};
 
 /// A row of the table, in words.
@@ -12,12 +13,15 @@ pub(crate) struct Row {
 pub(crate) const HEAD: [&str; 7] = [
     "problem",
     "least error at equal samples (variance below balance)",
-    "best at equal time, random points (over balance)",
-    "over the best single technique",
+    "best at equal time, random points (over balance; over the best single technique)",
     "best at equal time, any points (over balance)",
-    "recommended plan",
+    "recommended plan ▸",
     "its efficiency over the best with random points",
+    "with Sobol’ points, over the best of all",
 ];
+
+/// Instead of a factor.
+const EXACT: &str = "exact";
 
 pub(crate) fn rows(all: &[Results]) -> Vec<Row> {
     all.iter().map(row).collect()
@@ -35,7 +39,7 @@ fn row(results: &Results) -> Row {
     let over = |best: Option<&Series>, other: Option<&Series>, what: fn(&Series) -> f64| match (
         best, other,
     ) {
-        (Some(best), Some(_)) if best.is_exact() => "exact".into(),
+        (Some(best), Some(_)) if best.is_exact() => EXACT.into(),
         (Some(best), Some(other)) => factor(what(best) / what(other)),
         _ => "none".to_string(),
     };
@@ -46,24 +50,34 @@ fn row(results: &Results) -> Row {
     let variance: fn(&Series) -> f64 = |s| s.error().powi(-2);
     let efficiency: fn(&Series) -> f64 = |s| s.efficiency().0;
     let plan = results.plan();
-    let share = plan_over_best(results);
+    let sobol = results.find(|entry| entry.plan && entry.points == Points::Sobol);
     Row {
         cells: [
             results.name.into(),
             named(samples, over(samples, balance, variance)),
-            named(random, over(random, balance, efficiency)),
-            over(random, results.best_single(), efficiency),
+            named(
+                random,
+                match over(random, results.best_single(), efficiency) {
+                    single if single == EXACT => single,
+                    single => format!("{}; {single}", over(random, balance, efficiency)),
+                },
+            ),
             named(any, over(any, balance, efficiency)),
             plan.map_or(String::new(), |plan| plan.entry.name.clone()),
-            share.map_or("not exact, others are".into(), number),
+            compared(plan, random),
+            compared(sobol, any),
         ],
     }
 }
 
-/// The plan's efficiency over the best with random points; `None` where that is exact and the plan is not.
-pub(crate) fn plan_over_best(results: &Results) -> Option<f64> {
-    let (plan, best) = (results.plan()?, results.best(Series::is_random)?);
-    (plan.is_exact() == best.is_exact()).then(|| plan.worth() / best.worth())
+/// A plan's efficiency over the best, unless that is exact and the plan is not.
+fn compared(plan: Option<&Series>, best: Option<&Series>) -> String {
+    match (plan, best) {
+        (Some(plan), Some(best)) if plan.is_exact() == best.is_exact() => {
+            number(plan.worth() / best.worth())
+        }
+        _ => "not exact, the best is".into(),
+    }
 }
 
 /// "× 12".
@@ -95,7 +109,10 @@ pub(crate) fn print(rows: &[Row]) {
         let [problem, rest @ ..] = &row.cells;
         println!("{problem}");
         for (head, cell) in HEAD[1..].iter().zip(rest) {
-            println!("  {head:<54} {cell}");
+            // A superscript of a picture is none in a terminal.
+            let cell =
+                cell.replace("<tspan class='exponent' dy='-4'>", "^").replace("</tspan>", "");
+            println!("  {head:<80} {cell}");
         }
     }
 }
