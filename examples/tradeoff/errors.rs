@@ -13,7 +13,7 @@ const PLAN: Style = Style { colour: 0, dash: 0, mark: 2, width: 2.6 };
 /// Weightings and estimators from random points, with equal shares if not said otherwise.
 pub(crate) fn weightings(results: &Results) -> Vec<Curve<'_>> {
     let mut curves = Vec::new();
-    if let Some(single) = results.best_single().filter(|single| !single.entry.plan) {
+    if let Some(single) = results.least_single().filter(|single| !single.entry.plan) {
         curves.push((single, single.entry.name.clone(), style(7, 2, 3)));
     }
     for (name, style) in [
@@ -121,13 +121,13 @@ pub(crate) fn chart(
     let lines: Vec<Vec<[f64; 4]>> = curves.iter().map(|(series, ..)| shown(series)).collect();
     let traced = traced(&picture, &lines);
     guides(&mut picture, against, &traced, bottom);
-    if let Against::Time(planning) = against {
-        if picture.x.has(planning) {
-            let [low, high] = picture.y.ends();
-            picture.segment([planning, low], [planning, high], "guide");
-            let at = [picture.x.at(planning) - 4.0, picture.frame[1] + 12.0];
-            picture.text(at, "note", "end", "pilot and plan");
-        }
+    if let Against::Time(planning) = against
+        && picture.x.has(planning)
+    {
+        let [low, high] = picture.y.ends();
+        picture.segment([planning, low], [planning, high], "guide");
+        let at = [picture.x.at(planning) - 4.0, picture.frame[1] + 12.0];
+        picture.text(at, "note halo", "end", "pilot and plan");
     }
     for (series, _, style) in curves {
         let band: Vec<[f64; 3]> =
@@ -173,20 +173,24 @@ fn guides(picture: &mut Picture, against: Against, curves: &[[f64; 2]], bottom: 
         labels[k] = labels[k].max(labels[k - 1] + 13.0);
     }
     let size = [0.22 * w + 32.0, labels[2] + 4.0];
-    let distance = |[x, y]: [f64; 2]| {
+    // How many points of curves are within, and how far the others are at least.
+    let crowd = |[x, y]: [f64; 2]| {
         let outside = |at: f64, low: f64, size: f64| (low - at).max(at - low - size).max(0.0);
         let to_curve = |p: &[f64; 2]| outside(p[0], x, size[0]).hypot(outside(p[1], y, size[1]));
-        curves.iter().map(to_curve).fold(f64::INFINITY, f64::min)
+        let distances = || curves.iter().map(to_curve);
+        (distances().filter(|d| *d == 0.0).count(), distances().fold(f64::INFINITY, f64::min))
     };
     let spread = |low: f64, room: f64| (0..24).map(move |k| low + room * f64::from(k) / 23.0);
     let places = spread(left + 8.0, w - size[0] - 16.0)
         .flat_map(|x| spread(top + 14.0, h - size[1] - 22.0).map(move |y| [x, y]));
-    let Some([x, y]) = places.max_by(|a, b| distance(*a).total_cmp(&distance(*b))) else { return };
+    let crowds = places.map(|place| (place, crowd(place)));
+    let freest = crowds.min_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    let Some(([x, y], _)) = freest else { return };
     for (((_, label), [dx, dy]), label_y) in lines.iter().zip(ends).zip(labels) {
         let (to_x, to_y) = (x + dx, y + dy);
         picture.draw(&format!("<path class='guide' d='M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}'/>"));
         let text = format!("{variable}<tspan class='exponent' dy='-4'>{label}</tspan>");
-        picture.text([to_x + 4.0, y + label_y], "note", "start", &text);
+        picture.text([to_x + 4.0, y + label_y], "note halo", "start", &text);
     }
 }
 

@@ -71,6 +71,11 @@ impl Series {
         self.points.last()
     }
 
+    /// Whether it is one technique alone, with random points.
+    pub(crate) fn is_single(&self) -> bool {
+        matches!(self.entry.way, Way::Planned(Method::Single(_))) && self.is_random()
+    }
+
     pub(crate) fn is_random(&self) -> bool {
         self.entry.points == Points::Random
     }
@@ -115,9 +120,10 @@ impl Results {
         self.find(|entry| entry.name == name)
     }
 
-    /// The single technique of the highest efficiency.
-    pub(crate) fn best_single(&self) -> Option<&Series> {
-        self.best(|s| matches!(s.entry.way, Way::Planned(Method::Single(_))) && s.is_random())
+    /// The single technique of the least variance, from random points.
+    pub(crate) fn least_single(&self) -> Option<&Series> {
+        let singles = self.series.iter().filter(|s| s.is_single());
+        singles.min_by(|a, b| a.error().total_cmp(&b.error()))
     }
 
     /// The most efficient of some.
@@ -190,7 +196,7 @@ type Sample = (f64, f64);
 impl<P: Debug + Sync, F: Integrand<P, Value = f64> + Sync> Work<'_, '_, P, F> {
     /// For each entry and size, an estimate for each seed, in their order.
     fn measure(&self, seeds: u64, bar: &ProgressBar) -> Result<Vec<Vec<Vec<Sample>>>, String> {
-        let chunks = seeds.div_ceil(CHUNK) as usize;
+        let chunks = usize::try_from(seeds.div_ceil(CHUNK)).map_err(|e| e.to_string())?;
         let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
         let worker = || {
             let mut done = Vec::new();

@@ -1,7 +1,6 @@
 //! The command line.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use crate::measure::CHUNK;
 use crate::problems;
@@ -64,13 +63,9 @@ fn default_folder() -> PathBuf {
     if target.is_dir() { target.join("tradeoff") } else { "tradeoff".into() }
 }
 
-fn whole<T: FromStr + PartialOrd + std::fmt::Display>(
-    name: &str,
-    text: &str,
-    least: T,
-    most: T,
-) -> Result<T, String> {
-    let rule = || format!("{name} is {text}, but must be a whole number from {least} to {most}");
-    let number = text.parse().map_err(|_| rule())?;
-    if number >= least && number <= most { Ok(number) } else { Err(rule()) }
+fn whole(name: &str, text: &str, least: u64, most: u64) -> Result<u64, String> {
+    let number = text.parse().ok().filter(|number| (least..=most).contains(number));
+    number.ok_or_else(|| {
+        format!("{name} is {text}, but must be a whole number from {least} to {most}")
+    })
 }

@@ -105,8 +105,8 @@ fn problem(out: &mut String, k: usize, results: &Results) {
     let d = bars(&id('d'), results);
     let e = predictions::scatter(&id('e'), results);
     let best = results
-        .best_single()
-        .map_or(String::new(), |single| format!(" Best single technique: {}.", single.entry.name));
+        .least_single()
+        .map_or(String::new(), |single| format!(" Best alone: {}.", single.entry.name));
     let _ = write!(
         out,
         "<section>\n<h2>{}. {}</h2>\n<p>{}. μ = {:.6}. Techniques: {}.{best}</p>\n\
@@ -114,7 +114,7 @@ fn problem(out: &mut String, k: usize, results: &Results) {
          <div>{c}\n{e}</div>\n<figcaption><b>Figure {}.</b> {}. (a, b) Relative error against samples; \
          dotted: slopes. (c) Against time, without the pilot; pilot and plan take {:.0} ms. (d) All ways \
          by efficiency at the most samples: random points <i class='k random'></i>, antithetic \
-         <i class='k antithetic'></i>, strata <i class='k strata'></i>, Sobol’ <i class='k sobol'></i>. (e) \
+         <i class='k antithetic'></i>, strata <i class='k strata'></i>, Sobol’ <i class='k sobol'></i>; ▸ what the plan recommends. (e) \
          Variances that one pilot predicts for all ways with random points, and those that come \
          out.</figcaption>\n</figure>\n</section>\n",
         k + 1,

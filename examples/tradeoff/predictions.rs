@@ -34,6 +34,7 @@ pub(crate) fn scatter(id: &str, results: &Results) -> String {
         .iter()
         .filter_map(|s| comparable(s).map(|(v, u, caution)| (s, v, u, caution)))
         .collect();
+    let flagged = rows.iter().any(|(.., caution)| caution.is_some());
     let values = rows.iter().flat_map(|(s, v, ..)| [*v, s.variance.0]);
     let scale = Scale::around(values, [0.15, 0.15]);
     let margins = [62.0, 28.0, 200.0, 50.0];
@@ -68,10 +69,11 @@ pub(crate) fn scatter(id: &str, results: &Results) -> String {
         picture.text([right + 30.0, y], "name", "start", name);
         y += 17.0;
     }
-    let hollow = Style { colour: 7, ..style(7, 0, 0) };
-    picture.draw(&mark([right + 18.0, y - 4.0], hollow, 4.0, false));
-    picture.text([right + 30.0, y], "name", "start", "hollow: flagged by the pilot");
-    y += 17.0;
+    if flagged {
+        picture.draw(&mark([right + 18.0, y - 4.0], style(7, 0, 0), 4.0, false));
+        picture.text([right + 30.0, y], "name", "start", "hollow: flagged by the pilot");
+        y += 17.0;
+    }
     picture.draw(&format!(
         "<rect x='{:.1}' y='{:.1}' width='16' height='10' fill='#888888' fill-opacity='0.22'/>",
         right + 10.0,
