@@ -24,7 +24,7 @@ pub(crate) fn bars(id: &str, results: &Results) -> String {
     let height = 84.0 + 15.5 * rows.len() as f64;
     let margins = [292.0, 28.0, 66.0, 54.0];
     let mut picture = Picture::new(id, [590.0, height], margins, x, x);
-    picture.title("d", "Efficiency 1 / (variance · time), relative to the best");
+    picture.title("c", "Efficiency 1 / (variance · time), relative to the best");
     picture.x_axis("relative efficiency");
     picture.border();
     let [left, top, right, _] = picture.frame;

@@ -31,9 +31,9 @@ pub(crate) fn html(results: &[Results], rows: &[Row], options: &Options, machine
         "<p class='caption'><b>Table 1.</b> At equal samples: the least root mean square error at the most \
          samples, and how many times lower its variance is than that of the balance heuristic with \
          equal samples and random points. At equal time: the highest efficiency, 1 / (variance · time), \
-         over that of balance with random points, and over the technique that is best alone (with random \
-         points). “exact”: errors below 10<sup>−12</sup> of the value. The \
-         largest of many noisy efficiencies is a little too large.</p>\n\
+         over that of balance with random points, and over that of the technique that is best alone \
+         (with random points). “exact”: errors below 10<sup>−12</sup> of the value. The largest of \
+         many noisy efficiencies is a little too large.</p>\n\
          <h2>Method</h2>\n<p>Every point is an ensemble of {seeds} estimates with fixed seeds; its error \
          is √(mean of (F − μ)²) / |μ| with the exact μ, and bands and whiskers are one standard error. N \
          counts the samples of all techniques together. Times are wall-clock seconds of one core, the \
@@ -96,25 +96,26 @@ fn problem(out: &mut String, k: usize, results: &Results) {
         &points,
         Against::Samples,
     );
-    let c = errors::chart(
-        &id('c'),
-        ["c", "Error against time"],
+    let d = errors::chart(
+        &id('d'),
+        ["d", "Error against time"],
         &fast,
         Against::Time(results.planning),
     );
-    let d = bars(&id('d'), results);
+    let c = bars(&id('c'), results);
     let e = predictions::scatter(&id('e'), results);
     let best = results
         .least_single()
-        .map_or(String::new(), |single| format!(" Best alone: {}.", single.entry.name));
+        .map_or(String::new(), |single| format!(" Best technique: {}.", single.entry.name));
     let _ = write!(
         out,
         "<section>\n<h2>{}. {}</h2>\n<p>{}. μ = {:.6}. Techniques: {}.{best}</p>\n\
-         <figure class='grid2'>\n<div>{a}</div>\n<div>{b}</div>\n<div class='tall'>{d}</div>\n\
-         <div>{c}\n{e}</div>\n<figcaption><b>Figure {}.</b> {}. (a, b) Relative error against samples; \
-         dotted: slopes. (c) Against time, without the pilot; pilot and plan take {:.0} ms. (d) All ways \
-         by efficiency at the most samples: random points <i class='k random'></i>, antithetic \
-         <i class='k antithetic'></i>, strata <i class='k strata'></i>, Sobol’ <i class='k sobol'></i>; ▸ what the plan recommends. (e) \
+         <figure class='grid2'>\n<div>{a}</div>\n<div>{b}</div>\n<div>{c}</div>\n\
+         <div>{d}\n{e}</div>\n<figcaption><b>Figure {}.</b> {}. (a, b) Relative error against samples; \
+         dotted: slopes. (c) All ways by efficiency at the most samples: random points \
+         <i class='k random'></i>, antithetic <i class='k antithetic'></i>, strata \
+         <i class='k strata'></i>, Sobol’ <i class='k sobol'></i>; ▸ what the plan recommends. (d) Against \
+         time, without the pilot; pilot and plan take {:.0} ms. (e) \
          Variances that one pilot predicts for all ways with random points, and those that come \
          out.</figcaption>\n</figure>\n</section>\n",
         k + 1,
