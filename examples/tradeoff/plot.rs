@@ -71,9 +71,10 @@ impl Scale {
     fn ticks(&self) -> (Vec<f64>, Vec<f64>) {
         let span = self.high - self.low;
         let (first, last) = (self.low.floor() as i32, self.high.ceil() as i32);
-        let step = if span > 24.0 {
+        // Room for labels.
+        let step = if self.decade().abs() < 17.0 {
             4
-        } else if span > 9.0 {
+        } else if self.decade().abs() < 34.0 {
             2
         } else {
             1
