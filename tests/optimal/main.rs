@@ -1,0 +1,22 @@
+//! Optimal MIS: reference variances, spans, bias, intervals, and the traps of its regression.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+#[allow(dead_code)] // every test binary uses its own part of it
+#[path = "../common/ensemble.rs"]
+mod ensemble;
+#[allow(dead_code)]
+#[path = "../variances/example.rs"]
+mod example;
+#[allow(dead_code)]
+#[path = "../variances/examples.rs"]
+mod examples;
+
+mod balance;
+mod cases;
+mod ensembles;
