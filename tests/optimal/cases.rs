@@ -3,9 +3,7 @@
 use std::f64::consts::{E, PI};
 use std::fmt::Debug;
 
-use mis::technique::{
-    Linear, Normal, PiecewiseConstant, PowerLaw, Product, Uniform, UniformBox,
-};
+use mis::technique::{Linear, Normal, PiecewiseConstant, PowerLaw, Product, Uniform, UniformBox};
 use mis::{Estimate, Estimator, Fit, MultiSample, OptimalMis, Technique};
 
 use crate::example::Example;
@@ -156,13 +154,9 @@ pub(crate) fn all() -> Vec<Case> {
             |x: &f64| f64::from(u8::from(*x < 0.01)),
         ),
         // A narrow peak that no technique knows of; half of the samples on a ramp.
-        case(
-            "hidden peak",
-            1.0,
-            vec![uniform(0.0, 1.0), ramp(2.0, 0.0)],
-            ALIKE[2],
-            |x: &f64| bell(*x, 0.3, 0.01),
-        ),
+        case("hidden peak", 1.0, vec![uniform(0.0, 1.0), ramp(2.0, 0.0)], ALIKE[2], |x: &f64| {
+            bell(*x, 0.3, 0.01)
+        }),
         case(
             "three peaks",
             1.0 + 0.5 + 0.1 + 0.2,
@@ -170,7 +164,9 @@ pub(crate) fn all() -> Vec<Case> {
             ALIKE[4],
             |x: &f64| {
                 let inside = f64::from(u8::from((0.0..=1.0).contains(x)));
-                bell(*x, 0.3, 0.01) + 0.5 * bell(*x, 0.7, 0.01) + 0.1 * bell(*x, 0.5, 0.02)
+                bell(*x, 0.3, 0.01)
+                    + 0.5 * bell(*x, 0.7, 0.01)
+                    + 0.1 * bell(*x, 0.5, 0.02)
                     + 0.2 * inside
             },
         ),
@@ -203,12 +199,9 @@ pub(crate) fn all() -> Vec<Case> {
             |x: &f64| x.exp(),
         ),
     ];
-    for (k, name) in [
-        (2, "powers, K = 2"),
-        (3, "powers, K = 3"),
-        (5, "powers, K = 5"),
-        (8, "powers, K = 8"),
-    ] {
+    for (k, name) in
+        [(2, "powers, K = 2"), (3, "powers, K = 3"), (5, "powers, K = 5"), (8, "powers, K = 8")]
+    {
         let powers = (0..k).map(|m| boxed(PowerLaw::new(f64::from(m), 0.0, 1.0).unwrap()));
         all.push(case(name, E - 1.0, powers.collect(), ALIKE[k as usize], |x: &f64| x.exp()));
     }
@@ -219,8 +212,7 @@ pub(crate) fn all() -> Vec<Case> {
     let one = |x: &f64| bell(*x, 3.3, 0.5);
     all.push(case("one peak of eight", 1.0, bumps.collect(), ALIKE[8], one));
     let cube = || boxed(UniformBox::uniform([0.0; 5], [1.0; 5]).unwrap());
-    let sloped =
-        |a, b| boxed(Product::new([Linear::new(0.0, 1.0, a, b).unwrap(); 5]).unwrap());
+    let sloped = |a, b| boxed(Product::new([Linear::new(0.0, 1.0, a, b).unwrap(); 5]).unwrap());
     let product = |x: &[f64; 5]| x.iter().map(|x| x.exp()).product::<f64>();
     all.push(case(
         "five dimensions",

@@ -20,3 +20,5 @@ mod examples;
 mod balance;
 mod cases;
 mod ensembles;
+mod reference;
+mod span;

@@ -37,20 +37,25 @@ impl LeftOut {
             // A coefficient that is this sample's alone leaves nothing to divide.
             if left > 0.0 { influence / left } else { influence }
         };
-        let factors: Vec<f64> = kept.samples().map(|(_, z, _)| factor(z)).collect();
+        let mut counts = vec![0.0; techniques];
+        kept.samples().for_each(|(of, _, _)| counts[of.technique] += 1.0);
+        // The leverages account for the means of the techniques; a variance within one does it again.
+        let within: Vec<f64> =
+            counts.iter().map(|n: &f64| (1.0 - 1.0 / n).max(0.0).sqrt()).collect();
+        let factors: Vec<f64> =
+            kept.samples().map(|(of, z, _)| factor(z) * within[of.technique]).collect();
         let mut values = Vec::new();
         let mut shifts = Vec::new();
         for (c, beta) in solution.coefficients.iter().enumerate() {
-            let left = || kept.samples().map(|(of, z, y)| (of.technique, controlled(y[c], z, beta)));
+            let left =
+                || kept.samples().map(|(of, z, y)| (of.technique, controlled(y[c], z, beta)));
             let value = left().map(|(_, y)| y / n).sum::<f64>();
-            let mut shift = vec![(0.0, 0.0); techniques];
+            let mut shift = vec![0.0; techniques];
             for ((technique, y), factor) in left().zip(&factors) {
-                let (sum, count) = &mut shift[technique];
-                *sum += (y - value) * (1.0 - factor);
-                *count += 1.0;
+                shift[technique] += (y - value) * (1.0 - factor) / counts[technique];
             }
             values.push(value);
-            shifts.push(shift.iter().map(|(sum, count)| sum / f64::max(*count, 1.0)).collect());
+            shifts.push(shift);
         }
         Self { factors, values, shifts }
     }

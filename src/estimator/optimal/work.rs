@@ -3,8 +3,8 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
-use super::estimate::OptimalEstimate;
 use super::OptimalMis;
+use super::estimate::OptimalEstimate;
 use super::left_out::LeftOut;
 use crate::error::EstimateError;
 use crate::estimate::Estimate;
@@ -110,9 +110,13 @@ where
             }
             Some(solution) => {
                 let left_out = LeftOut::new(&kept, &factored, solution, self.shares().len());
-                sums.add_each(&kept, |of| of.technique, |j, of, c, y, z| {
-                    left_out.contribution(j, of, c, controlled(y, z, &solution.coefficients[c]))
-                });
+                sums.add_each(
+                    &kept,
+                    |of| of.technique,
+                    |j, of, c, y, z| {
+                        left_out.contribution(j, of, c, controlled(y, z, &solution.coefficients[c]))
+                    },
+                );
             }
             None => sums.add(&kept, |of| (of.technique, &[])),
         }
