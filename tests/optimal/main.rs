@@ -7,6 +7,8 @@
     reason = "a test fails by panicking"
 )]
 
+#[path = "../common/mod.rs"]
+mod common;
 #[allow(dead_code)] // every test binary uses its own part of it
 #[path = "../common/ensemble.rs"]
 mod ensemble;
@@ -19,6 +21,11 @@ mod examples;
 
 mod balance;
 mod cases;
+mod coverage;
 mod ensembles;
+mod interface;
+mod points;
 mod reference;
 mod span;
+mod traps;
+mod variates;

@@ -183,6 +183,8 @@ impl<P: Debug> OptimalMis<'_, P> {
     {
         let work = Work::new(self, f, points);
         match self.fit {
+            // Nothing to fit.
+            _ if work.regressors() == 0 => work.direct(),
             Fit::Direct => work.direct(),
             Fit::CrossFit { folds } => work.cross_fit(folds),
             Fit::Progressive => work.progressive(),

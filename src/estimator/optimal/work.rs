@@ -60,7 +60,7 @@ where
     }
 
     /// How many columns the regression has: differences of pdfs, and control variates.
-    fn regressors(&self) -> usize {
+    pub(super) fn regressors(&self) -> usize {
         self.active.len() - 1 + self.mis.variates.len()
     }
 
@@ -104,8 +104,8 @@ where
         let solution = factored.solution().filter(|_| enough);
         let mut sums = Adjusted::new(self.shares().len(), self.replicates, Self::COMPONENTS);
         match &solution {
-            // The values of replicates tell the error.
-            Some(solution) if self.replicates > 1 => {
+            // Nothing is fitted, or the values of replicates tell the error.
+            Some(solution) if solution.rank == 0 || self.replicates > 1 => {
                 sums.add(&kept, |of| (of.technique, &solution.coefficients));
             }
             Some(solution) => {
@@ -158,10 +158,11 @@ where
             .map(others)
             .map(|fit| fit.solve().filter(|_| enough(&fit)))
             .collect();
+        let sound = in_replicates || fewest >= Some(2 * folds);
+        let usable = sound && solutions.iter().all(Option::is_some);
         // Every technique's mean within a fold counts for its share, so that none is biased.
-        let several = !in_replicates && fewest >= Some(2 * folds);
+        let several = usable && !in_replicates;
         let strata = if several { techniques * folds as usize } else { techniques };
-        let usable = (several || in_replicates) && solutions.iter().all(Option::is_some);
         let mut sums = Adjusted::new(strata, self.replicates, Self::COMPONENTS);
         sums.add(&kept, |of| {
             let fold = fold_of(of);
