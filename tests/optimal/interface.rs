@@ -122,14 +122,14 @@ fn one_technique_is_plain_importance_sampling() {
 fn sixty_four_techniques() {
     let bumps: Vec<Normal> = (0..64).map(|m| Normal::new(f64::from(m), 0.8).unwrap()).collect();
     let list: Vec<(&dyn Technique<Point = f64>, u64)> =
-        bumps.iter().map(|b| (b as _, 60)).collect();
+        bumps.iter().map(|b| (b as _, 20)).collect();
     let narrow = Normal::new(31.4, 0.75).unwrap();
     for fit in FITS {
         let mis = OptimalMis::new(&list).unwrap().fit(fit).unwrap();
         let found = mis.estimate(&|x: &f64| narrow.pdf(x), 1).unwrap();
         let error = found.standard_error().unwrap();
         let z = (found.value() - 1.0) / error;
-        assert!(z.abs() < 5.0 && error < 0.1, "{fit:?}: {found} {z}");
+        assert!(z.abs() < 5.0 && error < 0.2, "{fit:?}: {found} {z}");
         assert_eq!(found.rank(), 63);
         if fit != Fit::Progressive {
             let sum = mis.estimate(&|x: &f64| bumps.iter().map(|b| b.pdf(x)).sum::<f64>(), 1);

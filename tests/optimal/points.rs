@@ -32,7 +32,7 @@ fn replicates_tell_the_error<S: PointSource>(points: impl Fn(u64) -> S, seeds: u
         let pairs: Vec<_> = found.iter().map(pair).collect();
         let ratio = ratio(&pairs);
         assert!(
-            (ratio.mean - 1.0).abs() < 4.42 * ratio.error && ratio.error < 0.25,
+            (ratio.mean - 1.0).abs() < 4.42 * ratio.error && ratio.error < 0.4,
             "{what} {ratio:?}"
         );
         // The balance heuristic with random numbers has 2.6e-5, optimal MIS 1.4e-6.
@@ -43,17 +43,17 @@ fn replicates_tell_the_error<S: PointSource>(points: impl Fn(u64) -> S, seeds: u
 
 #[test]
 fn sobol_points() {
-    replicates_tell_the_error(Sobol::new, 150, 3e-8);
+    replicates_tell_the_error(Sobol::new, 40, 3e-8);
 }
 
 #[test]
 fn stratified_points() {
-    replicates_tell_the_error(|seed| Stratified::new(seed, 4).unwrap(), 150, 1e-5);
+    replicates_tell_the_error(|seed| Stratified::new(seed, 4).unwrap(), 40, 1e-5);
 }
 
 #[test]
 fn antithetic_points() {
-    replicates_tell_the_error(Antithetic::new, 150, 1e-5);
+    replicates_tell_the_error(Antithetic::new, 40, 1e-5);
 }
 
 /// With so few replicates, folds are fewer, and each is of whole ones.

@@ -104,7 +104,7 @@ fn variances_agree(n: u64, seeds: u64) {
         let example = example();
         for fit in [Fit::Direct, CROSS_FIT] {
             let figures = measured(&example, used, fit, n, seeds);
-            let bound = [4.42 * (2.2 / seeds as f64).sqrt(), 0.01];
+            let bound = [1.5 * (2.2 / seeds as f64).sqrt(), 0.5 / (seeds as f64).sqrt()];
             for (figure, bound) in figures.into_iter().zip(bound) {
                 let name = format!("{}, {fit:?}: {figure:?} for {variance}", example.name);
                 if variance == 0.0 {
@@ -122,7 +122,7 @@ fn variances_agree(n: u64, seeds: u64) {
 
 #[test]
 fn variances_are_those_of_the_reference() {
-    variances_agree(1000, 150);
+    variances_agree(500, 40);
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn exact_coefficients_have_the_reference_variance() {
         let mis = MultiSample::new(&techniques(&example, used, 1000)).unwrap();
         let mis = mis.controls(controls(&example, used)).unwrap();
         let f = |x: &f64| (example.f)(*x);
-        let found: Vec<_> = (0..100).map(|seed| mis.estimate(&f, seed).unwrap()).collect();
+        let found: Vec<_> = (0..30).map(|seed| mis.estimate(&f, seed).unwrap()).collect();
         let reported = Mean::of(found.iter().map(|e| 1000.0 * e.variance().unwrap_or(0.0)));
         let value = Mean::of(found.iter().map(mis::Estimate::value));
         let name = format!("{}: {reported:?} for {variance}, {value:?}", example.name);
@@ -176,7 +176,7 @@ fn exact_coefficients_have_the_reference_variance() {
             assert!(reported.mean < 1e-16 * example.mean.powi(2), "{name}");
             assert!((value.mean / example.mean - 1.0).abs() < 1e-9, "{name}");
         } else {
-            assert!(reported.z(variance).abs() < Z && reported.error < 0.01 * variance, "{name}");
+            assert!(reported.z(variance).abs() < Z && reported.error < 0.02 * variance, "{name}");
             assert!(value.z(example.mean).abs() < Z, "{name}");
         }
     }
@@ -186,12 +186,12 @@ fn exact_coefficients_have_the_reference_variance() {
 fn coefficients_are_those_of_the_closest_combination() {
     // a_k = μ α_k + β_k, and β of the first is minus the sum of all others.
     for (example, expected, tolerance) in [
-        (examples::sine_cosine(), vec![0.25, 0.25], 0.01),
-        (examples::normal(), vec![0.525_237, 0.474_763], 0.01),
+        (examples::sine_cosine(), vec![0.25, 0.25], 0.02),
+        (examples::normal(), vec![0.525_237, 0.474_763], 0.02),
         (examples::example_d(), exact(&examples::example_d(), 3).0, 1e-9),
     ] {
         let used = expected.len();
-        let list = techniques(&example, used, 20_000);
+        let list = techniques(&example, used, 5000);
         let f = |x: &f64| (example.f)(*x);
         for fit in crate::ensembles::FITS {
             let mis = OptimalMis::new(&list).unwrap().fit(fit).unwrap();

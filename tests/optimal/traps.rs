@@ -4,7 +4,7 @@ use mis::points::{Random, Replay};
 use mis::technique::{FnTechnique, Linear, PowerLaw, Uniform};
 use mis::{Estimator, Fit, MultiSample, OptimalEstimate, OptimalMis, Technique};
 
-use crate::cases;
+use crate::cases::{self, Case};
 use crate::common::canonical_numbers;
 use crate::ensembles::{CROSS_FIT, FITS, Mean, ensemble, ratio};
 
@@ -24,9 +24,9 @@ fn samples_where_the_integrand_is_0_count() {
     let below = |x: &f64| f64::from(u8::from(*x < 0.5));
     for fit in FITS {
         let mis = OptimalMis::new(&[(&flat, 400), (&ramp, 400)]).unwrap().fit(fit).unwrap();
-        let found: Vec<_> = (0..300).map(|seed| mis.estimate(&below, seed).unwrap()).collect();
+        let found: Vec<_> = (0..80).map(|seed| mis.estimate(&below, seed).unwrap()).collect();
         let values = Mean::of(found.iter().map(OptimalEstimate::value));
-        assert!(values.z(0.5).abs() < 4.42 && values.error < 0.002, "{fit:?}: {values:?}");
+        assert!(values.z(0.5).abs() < 4.42 && values.error < 0.004, "{fit:?}: {values:?}");
         for e in found.iter().map(OptimalEstimate::estimate) {
             assert_eq!(e.samples(), 800);
             // Half of those of the one, and three quarters of those of the other.
@@ -64,7 +64,7 @@ fn near_collinear_techniques_do_no_harm() {
         let mut worst = 0.0;
         let list: [(&dyn Technique<Point = f64>, u64); 3] =
             [(&flat, 400), (&tilted, 400), (&square, 400)];
-        for seed in 0..20 {
+        for seed in 0..5 {
             let mut rows = Vec::new();
             let add = |sample: &mis::Sample<'_, f64, f64>| {
                 let x = *sample.x();
@@ -187,8 +187,8 @@ fn values_may_be_negative() {
 }
 
 /// Standard errors of the direct fit: never too small, and right as soon as there are samples.
-fn direct_errors_are_calibrated(seeds: u64) {
-    for case in cases::all().into_iter().filter(|case| case.calibrated) {
+fn direct_errors_are_calibrated(cases: Vec<Case>, seeds: u64) {
+    for case in cases.into_iter().filter(|case| case.calibrated) {
         for (of_each, [low, high]) in [(8, [0.2, 1.05]), (16, [0.35, 1.05]), (50, [0.5, 1.08])] {
             let found = ensemble(&case, Some(Fit::Direct), of_each * case.techniques, seeds);
             let pair =
@@ -204,11 +204,11 @@ fn direct_errors_are_calibrated(seeds: u64) {
 
 #[test]
 fn errors_of_direct_fits_are_not_optimistic() {
-    direct_errors_are_calibrated(200);
+    direct_errors_are_calibrated(cases::few(), 100);
 }
 
 #[test]
 #[ignore = "takes half a minute in release"]
 fn errors_of_direct_fits_are_not_optimistic_in_full_ensembles() {
-    direct_errors_are_calibrated(10_000);
+    direct_errors_are_calibrated(cases::all(), 10_000);
 }

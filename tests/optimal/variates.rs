@@ -24,9 +24,9 @@ fn variance_falls_to_that_of_the_residual() {
         let mis = OptimalMis::new(&[(&flat, N)]).unwrap().fit(fit).unwrap();
         let mis = mis.control_variates([(&square as _, 1.0 / 3.0)]).unwrap();
         let found: Vec<_> =
-            (0..400).map(|seed| mis.estimate(&|x: &f64| x.exp(), seed).unwrap()).collect();
+            (0..100).map(|seed| mis.estimate(&|x: &f64| x.exp(), seed).unwrap()).collect();
         let values = Mean::of(found.iter().map(OptimalEstimate::value));
-        assert!(values.z(E - 1.0).abs() < 4.42 && values.error < 1e-3, "{fit:?}: {values:?}");
+        assert!(values.z(E - 1.0).abs() < 4.42 && values.error < 2e-3, "{fit:?}: {values:?}");
         if fit == Fit::Progressive {
             continue; // the first batch has no control
         }
@@ -37,7 +37,7 @@ fn variance_falls_to_that_of_the_residual() {
             let allowed = 4.42 * v.error + 4.0 / n * residual;
             assert!((v.mean - residual).abs() < allowed, "{fit:?}: {v:?} {residual}");
         }
-        assert!(reported.error < 0.01 * residual && realised.error < 0.1 * residual);
+        assert!(reported.error < 0.02 * residual && realised.error < 0.2 * residual);
     }
 }
 

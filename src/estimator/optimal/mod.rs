@@ -50,6 +50,8 @@ use work::Work;
 /// Sources: I. Kondapaneni, P. Vévoda, P. Grittmann, T. Skřivan, P. Slusallek and J. Křivánek,
 /// *Optimal Multiple Importance Sampling*, 2019, doi:10.1145/3306346.3323009; A. B. Owen and Y. Zhou,
 /// *Safe and Effective Importance Sampling*, 2000, doi:10.1080/01621459.2000.10473909.
+///
+#[doc = include_str!("../bias.md")]
 pub struct OptimalMis<'a, P> {
     mis: MultiSample<'a, P>,
     fit: Fit,
