@@ -5,6 +5,8 @@
 //! `--write` it is printed. `-- --seeds 2000` is a quick look.
 
 #![allow(clippy::unwrap_used)]
+// Counts are far below 2^32.
+#![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_sign_loss)]
 
 #[allow(dead_code)] // the tests use the rest
 #[path = "../tests/optimal/cases.rs"]

@@ -139,6 +139,7 @@ pub(crate) fn few() -> Vec<Case> {
     all().into_iter().filter(|case| few.contains(&case.name)).collect()
 }
 
+#[allow(clippy::too_many_lines)] // a table
 pub(crate) fn all() -> Vec<Case> {
     let mut all = vec![
         example(examples::sine_cosine(), ALIKE[2]),
@@ -214,8 +215,8 @@ pub(crate) fn all() -> Vec<Case> {
     for (k, name) in
         [(2, "powers, K = 2"), (3, "powers, K = 3"), (5, "powers, K = 5"), (8, "powers, K = 8")]
     {
-        let powers = (0..k).map(|m| boxed(PowerLaw::new(f64::from(m), 0.0, 1.0).unwrap()));
-        all.push(case(name, E - 1.0, powers.collect(), ALIKE[k as usize], |x: &f64| x.exp()));
+        let powers = (0..k).map(|m| boxed(PowerLaw::new(m as f64, 0.0, 1.0).unwrap()));
+        all.push(case(name, E - 1.0, powers.collect(), ALIKE[k], |x: &f64| x.exp()));
     }
     let bumps = (0..8).map(|m| normal(f64::from(m), 0.3));
     let far = |x: &f64| (0..8).map(|m| f64::from(m + 1) * bell(*x, f64::from(m), 0.25)).sum();

@@ -40,7 +40,9 @@ pub(crate) fn ensemble(case: &Case, fit: Option<Fit>, samples: u64, seeds: u64) 
         let threads = std::thread::available_parallelism().map_or(1, NonZero::get).min(4);
         let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
         let mut all = work();
-        others.into_iter().for_each(|other| all.extend(other.join().unwrap()));
+        for other in others {
+            all.extend(other.join().unwrap());
+        }
         all
     });
     all.sort_by_key(|(seed, _)| *seed);

@@ -35,18 +35,23 @@ fn samples_where_the_integrand_is_0_count() {
     }
 }
 
+/// z and y of a sample.
+type Row = ([f64; 2], f64);
+
 /// The least squares themselves, of a basis that is far from collinear.
-fn least_squares(rows: &[([f64; 2], f64)]) -> f64 {
+fn least_squares(rows: &[Row]) -> f64 {
     let n = rows.len() as f64;
-    let mean = |of: &dyn Fn(&([f64; 2], f64)) -> f64| rows.iter().map(of).sum::<f64>() / n;
-    let (z0, z1, y) = (mean(&|r| r.0[0]), mean(&|r| r.0[1]), mean(&|r| r.1));
-    let product = |a: &dyn Fn(&([f64; 2], f64)) -> f64, b: &dyn Fn(&([f64; 2], f64)) -> f64| {
-        rows.iter().map(|r| a(r) * b(r)).sum::<f64>()
-    };
-    let (d0, d1) = (|r: &([f64; 2], f64)| r.0[0] - z0, |r: &([f64; 2], f64)| r.0[1] - z1);
-    let dy = |r: &([f64; 2], f64)| r.1 - y;
-    let (s00, s01, s11) = (product(&d0, &d0), product(&d0, &d1), product(&d1, &d1));
-    let (t0, t1) = (product(&d0, &dy), product(&d1, &dy));
+    let mean = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / n;
+    let (z0, z1, y) = (mean(|r| r.0[0]), mean(|r| r.0[1]), mean(|r| r.1));
+    let [mut s00, mut s01, mut s11, mut t0, mut t1] = [0.0; 5];
+    for ([a, b], of) in rows {
+        let (d0, d1, dy) = (a - z0, b - z1, of - y);
+        s00 += d0 * d0;
+        s01 += d0 * d1;
+        s11 += d1 * d1;
+        t0 += d0 * dy;
+        t1 += d1 * dy;
+    }
     let det = s00 * s11 - s01 * s01;
     y - z0 * (s11 * t0 - s01 * t1) / det - z1 * (s00 * t1 - s01 * t0) / det
 }

@@ -17,10 +17,10 @@ use crate::part::Part;
 use crate::points::{PointSource, replicates};
 
 /// Samples that are held at a time.
-const PIECE: u64 = 1 << 14;
+const PIECE: usize = 1 << 14;
 
-/// Batches of [`Fit::Progressive`], at most.
-const BATCHES: u32 = 7;
+/// Batches of [`Fit::Progressive`], at most: the first has no controls, so it is to be small.
+const BATCHES: u32 = 40;
 
 /// Past samples for each coefficient, without which there is no control.
 const ENOUGH: u64 = 10;
@@ -140,29 +140,36 @@ where
         let mut kept = Kept::new(self.regressors(), Self::COMPONENTS);
         let part = self.keep(0..self.samples(), &mut kept)?;
 
-        let parts: Vec<Regression> = (0..folds as usize)
+        let count = usize::try_from(folds).unwrap_or(usize::MAX);
+        let parts: Vec<Regression> = (0..count)
             .map(|fold| {
                 let mut fit = self.empty();
                 kept.add_to(&mut fit, |of| fold_of(of) == fold);
                 fit
             })
             .collect();
-        let others = |fold: usize| {
-            let mut all = self.empty();
-            let fits = parts.iter().enumerate().filter(|(k, _)| *k != fold);
-            fits.for_each(|(_, fit)| all.merge(fit));
-            all
-        };
+        // The folds before each one, and those after it: all others.
+        let mut before = vec![self.empty()];
+        for fit in &parts {
+            let mut all = before[before.len() - 1].clone();
+            all.merge(fit);
+            before.push(all);
+        }
         let enough = |fit: &Regression| fit.rows() > 2 * (self.regressors() as u64 + 1);
-        let solutions: Vec<Option<Solution>> = (0..folds as usize)
-            .map(others)
-            .map(|fit| fit.solve().filter(|_| enough(&fit)))
-            .collect();
+        let mut after = self.empty();
+        let mut solutions: Vec<Option<Solution>> = Vec::with_capacity(count);
+        for (fit, before) in parts.iter().zip(&before).rev() {
+            let mut others = before.clone();
+            others.merge(&after);
+            solutions.push(others.solve().filter(|_| enough(&others)));
+            after.merge(fit);
+        }
+        solutions.reverse();
         let sound = in_replicates || fewest >= Some(2 * folds);
         let usable = sound && solutions.iter().all(Option::is_some);
         // Every technique's mean within a fold counts for its share, so that none is biased.
         let several = usable && !in_replicates;
-        let strata = if several { techniques * folds as usize } else { techniques };
+        let strata = if several { techniques * count } else { techniques };
         let mut sums = Adjusted::new(strata, self.replicates, Self::COMPONENTS);
         sums.add(&kept, |of| {
             let fold = fold_of(of);
@@ -175,11 +182,11 @@ where
             // A fold has the part of all samples that its own are.
             let size = |fold: usize| parts[fold].rows() as f64 / self.samples() as f64;
             let shares = |fold| self.shares().iter().map(move |share| size(fold) * share);
-            (0..folds as usize).flat_map(shares).collect()
+            (0..count).flat_map(shares).collect()
         } else {
             self.shares().to_vec()
         };
-        let all = others(usize::MAX).solve().filter(|_| usable);
+        let all = after.solve().filter(|_| usable);
         let uncontrolled = if usable { 0 } else { self.samples() };
         self.finish(sums, shares, 0, all, uncontrolled)
     }
@@ -205,9 +212,9 @@ where
                 uncontrolled += end - start;
             }
             let beta = solution.as_ref().map_or(&[][..], |s| &s.coefficients);
-            for first in (start..*end).step_by(PIECE as usize) {
+            for first in (start..*end).step_by(PIECE) {
                 kept.clear();
-                let part = self.keep(first..(first + PIECE).min(*end), &mut kept)?;
+                let part = self.keep(first..(first + PIECE as u64).min(*end), &mut kept)?;
                 sums.add(&kept, |of| (batch * techniques + of.technique, beta));
                 sums.add_faults(batch * techniques, &part.counts);
                 kept.add_to(&mut fit, |_| true);
