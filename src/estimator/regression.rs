@@ -23,6 +23,8 @@ pub(crate) struct Regression {
     regressors: usize,
     responses: usize,
     rows: u64,
+    /// Rows with a response that is not 0.
+    informative: u64,
     /// Rows that are still to be folded, one after the other.
     pending: Vec<f64>,
     /// Upper triangular.
@@ -46,6 +48,7 @@ impl Regression {
             regressors,
             responses,
             rows: 0,
+            informative: 0,
             pending: Vec::new(),
             triangle: DMatrix::zeros(0, 1 + regressors + responses),
             exponents: vec![UNSET; responses],
@@ -61,8 +64,10 @@ impl Regression {
     ) {
         self.pending.push(weight);
         self.pending.extend(regressors.into_iter().take(self.regressors).map(|z| weight * z));
+        let start = self.pending.len();
         self.pending.extend(responses.into_iter().take(self.responses).map(|y| weight * y));
         self.rows += 1;
+        self.informative += u64::from(self.pending[start..].iter().any(|y| *y != 0.0));
         if self.pending.len() >= ROWS * self.triangle.ncols() {
             self.fold();
         }
@@ -71,6 +76,11 @@ impl Regression {
     /// How many rows there are.
     pub(crate) fn rows(&self) -> u64 {
         self.rows
+    }
+
+    /// How many have a response that is not 0.
+    pub(crate) fn informative(&self) -> u64 {
+        self.informative
     }
 
     /// Adds the rows of another one, of the same shape.
@@ -84,6 +94,7 @@ impl Regression {
             other.set_unit(c, unit);
         }
         self.rows += other.rows;
+        self.informative += other.informative;
         self.stack(&other.triangle);
     }
 

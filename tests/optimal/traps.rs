@@ -172,6 +172,29 @@ fn too_few_samples_fall_back_to_the_balance_heuristic() {
     }
 }
 
+/// Of a few samples where f is not 0, coefficients would be noise.
+#[test]
+fn too_few_contributions_make_no_coefficients() {
+    let (flat, ramp) = (Uniform::unit(), ramp());
+    let rare = |x: &f64| f64::from(u8::from(*x < 0.006));
+    for fit in [CROSS_FIT, Fit::Progressive] {
+        let mis = OptimalMis::new(&[(&flat, 500), (&ramp, 500)]).unwrap().fit(fit).unwrap();
+        let mut without = 0;
+        for seed in 0..50 {
+            let found = mis.estimate(&rare, seed).unwrap();
+            let hits = found.estimate().samples() - found.estimate().zero();
+            if hits <= 4 {
+                assert_eq!((found.uncontrolled(), found.rank()), (1000, 0), "{fit:?} {hits}");
+                without += 1;
+            }
+            if hits > 6 && fit == CROSS_FIT {
+                assert!(found.uncontrolled() < 1000, "{hits}");
+            }
+        }
+        assert!((25..50).contains(&without), "{without}");
+    }
+}
+
 /// One sample more than coefficients: something is left, but its size is unknown.
 #[test]
 fn errors_are_unknown_where_nothing_is_left_to_tell_them() {

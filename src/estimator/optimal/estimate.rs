@@ -21,7 +21,7 @@ pub struct OptimalEstimate<V: Value = f64> {
 impl<V: Value> OptimalEstimate<V> {
     /// The value with its error. The contributions are those that the controls have left.
     ///
-    /// [`Fit::Direct`] fits the very samples, which leaves less than there is: what a sample leaves is
+    /// [`Fit::Direct`](crate::Fit::Direct) fits the very samples, which leaves less than there is: what a sample leaves is
     /// divided by 1 - h, with its leverage h, and so is what would be left without it in the fit
     /// (J. G. MacKinnon and H. White, *Some Heteroskedasticity-Consistent Covariance Matrix Estimators
     /// with Improved Finite Sample Properties*, 1985, doi:10.1016/0304-4076(85)90158-7). Degrees of
@@ -65,7 +65,8 @@ impl<V: Value> OptimalEstimate<V> {
     }
 
     /// How many samples went without controls, which is the balance heuristic: the first batch of
-    /// [`Fit::Progressive`]; all, where there are too few.
+    /// [`Fit::Progressive`](crate::Fit::Progressive); all, where there are too few; and those for which
+    /// there are no more than 2 K others with f ≠ 0.
     #[must_use]
     pub fn uncontrolled(&self) -> u64 {
         self.uncontrolled

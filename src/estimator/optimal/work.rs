@@ -68,6 +68,17 @@ where
         Regression::new(self.regressors(), Self::COMPONENTS)
     }
 
+    /// More samples than these make coefficients for others.
+    fn least(&self) -> u64 {
+        2 * (self.regressors() as u64 + 1)
+    }
+
+    /// The coefficients that samples make for others, if there are enough that say something: of few
+    /// where f is not 0, they would be noise.
+    fn solved(&self, fit: &Regression) -> Option<Solution> {
+        fit.solve().filter(|_| fit.informative() > self.least())
+    }
+
     /// Keeps the samples of a range; returns what it had of faults.
     fn keep(&self, range: Range<u64>, kept: &mut Kept) -> Result<Part, EstimateError> {
         let techniques = self.shares().len();
@@ -155,18 +166,17 @@ where
             all.merge(fit);
             before.push(all);
         }
-        let enough = |fit: &Regression| fit.rows() > 2 * (self.regressors() as u64 + 1);
         let mut after = self.empty();
         let mut solutions: Vec<Option<Solution>> = Vec::with_capacity(count);
         for (fit, before) in parts.iter().zip(&before).rev() {
             let mut others = before.clone();
             others.merge(&after);
-            solutions.push(others.solve().filter(|_| enough(&others)));
+            solutions.push(self.solved(&others));
             after.merge(fit);
         }
         solutions.reverse();
-        let sound = in_replicates || fewest >= Some(2 * folds);
-        let usable = sound && solutions.iter().all(Option::is_some);
+        let enough = parts.iter().all(|fit| after.rows() - fit.rows() > self.least());
+        let usable = enough && (in_replicates || fewest >= Some(2 * folds));
         // Every technique's mean within a fold counts for its share, so that none is biased.
         let several = usable && !in_replicates;
         let strata = if several { techniques * count } else { techniques };
@@ -186,8 +196,11 @@ where
         } else {
             self.shares().to_vec()
         };
-        let all = after.solve().filter(|_| usable);
-        let uncontrolled = if usable { 0 } else { self.samples() };
+        let used = usable && solutions.iter().any(Option::is_some);
+        let all = after.solve().filter(|_| used);
+        let without = |(_, solution): &(_, &Option<_>)| !usable || solution.is_none();
+        let folds = parts.iter().zip(&solutions);
+        let uncontrolled = folds.filter(without).map(|(fit, _)| fit.rows()).sum();
         self.finish(sums, shares, 0, all, uncontrolled)
     }
 
@@ -207,7 +220,7 @@ where
         let (mut fit, mut shares) = (self.empty(), Vec::with_capacity(strata));
         let (mut start, mut uncontrolled) = (0, 0);
         for (batch, end) in ends.iter().enumerate() {
-            let solution = fit.solve().filter(|_| batch > 0);
+            let solution = self.solved(&fit);
             if solution.is_none() {
                 uncontrolled += end - start;
             }
