@@ -236,7 +236,7 @@ where
             shares.extend(self.shares().iter().map(|share| size * share));
             start = *end;
         }
-        let solution = fit.solve().filter(|_| ends.len() > 1);
+        let solution = self.solved(&fit).filter(|_| ends.len() > 1);
         self.finish(sums, shares, 0, solution, uncontrolled)
     }
 
