@@ -6,7 +6,7 @@ use crate::estimate::Estimate;
 use crate::estimator::controls::Controls;
 use crate::integrand::Value;
 
-/// The result of [`OptimalMis`].
+/// The result of [`OptimalMis`](crate::OptimalMis).
 ///
 /// `Display` prints the estimate, and how many samples went without controls, if any.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,13 +45,13 @@ impl<V: Value> OptimalEstimate<V> {
     }
 
     /// The coefficients of the pdfs that all samples together give: those for a
-    /// [`MultiSample::controls`] of other samples, say.
+    /// [`MultiSample::controls`](crate::MultiSample::controls) of other samples, say.
     #[must_use]
     pub fn controls(&self) -> &Controls {
         &self.controls
     }
 
-    /// The coefficients of the [control variates](OptimalMis::control_variates), a row for each component.
+    /// The coefficients of the [control variates](crate::OptimalMis::control_variates), a row for each component.
     #[must_use]
     pub fn variate_coefficients(&self) -> &[Vec<f64>] {
         &self.variates
