@@ -217,7 +217,7 @@ fn values_may_be_negative() {
 /// Standard errors of the direct fit: never too small, and right as soon as there are samples.
 fn direct_errors_are_calibrated(cases: Vec<Case>, seeds: u64) {
     for case in cases.into_iter().filter(|case| case.calibrated) {
-        for (of_each, [low, high]) in [(8, [0.2, 1.05]), (16, [0.35, 1.05]), (50, [0.5, 1.08])] {
+        for (of_each, [low, high]) in [(8, [0.45, 1.05]), (16, [0.55, 1.05]), (50, [0.8, 1.08])] {
             let found = ensemble(&case, Some(Fit::Direct), of_each * case.techniques, seeds);
             let pair =
                 |f: &cases::Found| ((f.value - case.integral).powi(2), f.variance.unwrap_or(0.0));
