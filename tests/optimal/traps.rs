@@ -183,7 +183,7 @@ fn too_few_contributions_make_no_coefficients() {
         for seed in 0..50 {
             let found = mis.estimate(&rare, seed).unwrap();
             let hits = found.estimate().samples() - found.estimate().zero();
-            if hits <= 4 {
+            if hits <= 1 {
                 assert_eq!((found.uncontrolled(), found.rank()), (1000, 0), "{fit:?} {hits}");
                 without += 1;
             }
@@ -191,7 +191,7 @@ fn too_few_contributions_make_no_coefficients() {
                 assert!(found.uncontrolled() < 1000, "{hits}");
             }
         }
-        assert!((25..50).contains(&without), "{without}");
+        assert!((2..25).contains(&without), "{without}");
     }
 }
 

@@ -66,7 +66,7 @@ impl<V: Value> OptimalEstimate<V> {
 
     /// How many samples went without controls, which is the balance heuristic: the first batch of
     /// [`Fit::Progressive`](crate::Fit::Progressive); all, where there are too few; and those for which
-    /// there are no more than 2 K others with f ≠ 0.
+    /// there are fewer others with f ≠ 0 than coefficients and a mean.
     #[must_use]
     pub fn uncontrolled(&self) -> u64 {
         self.uncontrolled

@@ -76,7 +76,7 @@ where
     /// The coefficients that samples make for others, if there are enough that say something: of few
     /// where f is not 0, they would be noise.
     fn solved(&self, fit: &Regression) -> Option<Solution> {
-        fit.solve().filter(|_| fit.informative() > self.least())
+        fit.solve().filter(|_| fit.informative() > self.regressors() as u64)
     }
 
     /// Keeps the samples of a range; returns what it had of faults.
