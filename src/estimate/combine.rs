@@ -91,20 +91,14 @@ impl<V: Value> Estimate<V> {
             }
             Design::Pooled => self.samples() > 1,
         };
-        let known = known && self.has_signal(c);
-        known.then(|| largest * squares.sqrt()).and_then(|error| self.for_the_fit(error))
+        // Of hardly more samples than coefficients that were fitted to them, too little is left.
+        let known = known && (self.fitted == 0 || self.fitted + self.means() < self.samples());
+        (known && self.has_signal(c)).then(|| largest * squares.sqrt())
     }
 
-    /// A standard error of what coefficients fitted to the very samples have left, corrected for
-    /// these: they leave less than there is. Unknown if there are hardly more samples than coefficients.
-    fn for_the_fit(&self, error: f64) -> Option<f64> {
-        if self.fitted == 0 {
-            return Some(error);
-        }
-        let means = self.shares.iter().filter(|share| **share > 0.0).count() as u64;
-        let n = self.samples().saturating_sub(means);
-        let left = n.checked_sub(self.fitted).filter(|left| *left > 0)?;
-        Some(error * (n as f64 / left as f64).sqrt())
+    /// How many means there are.
+    fn means(&self) -> u64 {
+        self.shares.iter().filter(|share| **share > 0.0).count() as u64
     }
 
     /// Technique `i`'s part of the standard error of component `c`; the parts add as squares.

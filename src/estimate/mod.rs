@@ -324,3 +324,68 @@ fn check_level(owner: &'static str, level: f64) -> Result<(), ArgumentError> {
         Err(ArgumentError::new(owner, "level", level, rule))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Design, Estimate};
+    use crate::moments::Moments;
+    use crate::part::{Contributions, Counts, Extreme, Part};
+
+    fn contributions(ys: &[f64]) -> Contributions {
+        let y = ys
+            .iter()
+            .copied()
+            .fold(0.0, |most: f64, y| if y.abs() > most.abs() { y } else { most });
+        Contributions { moments: Moments::of_block(ys), extreme: Extreme { y, index: 0 } }
+    }
+
+    /// Two batches of two techniques: shares and errors are those of four strata, and what is said of
+    /// a technique is of both batches.
+    #[test]
+    fn batches_are_strata() {
+        let ys: [&[f64]; 4] = [&[1.0, 3.0], &[2.0, 2.5, 3.0], &[4.0, 8.0, 6.0], &[1.0, 0.0]];
+        let part = Part {
+            contributions: ys.map(contributions).to_vec(),
+            counts: ys.map(|ys| Counts { samples: ys.len() as u64, ..Counts::default() }).to_vec(),
+        };
+        let shares = vec![0.2, 0.3, 0.3, 0.2];
+        let e = Estimate::<f64>::in_batches(Design::Stratified, shares, part, 2, 0);
+        assert!((e.value() - (0.4 + 0.75 + 1.8 + 0.1)).abs() < 1e-15);
+        let variance = 0.04 * 2.0 / 2.0 + 0.09 * 0.25 / 3.0 + 0.09 * 4.0 / 3.0 + 0.04 * 0.5 / 2.0;
+        assert!((e.variance().unwrap() - variance).abs() < 1e-15);
+        let all: Vec<_> = e.techniques().collect();
+        assert_eq!((all.len(), all[0].samples, all[1].samples), (2, 5, 5));
+        assert!((all[0].share_of_value.unwrap() - 2.2 / e.value()).abs() < 1e-15);
+        let of_first = (0.04 + 0.12) / variance;
+        assert!((all[0].share_of_variance.unwrap() - of_first).abs() < 1e-14);
+        assert_eq!(e.largest().unwrap().technique, 0);
+    }
+
+    /// Coefficients that were fitted to the samples leave fewer degrees of freedom, and no error where
+    /// they leave none.
+    #[test]
+    fn fitted_coefficients_take_degrees_of_freedom() {
+        let of = |n: usize, fitted| {
+            let ys: Vec<f64> = (0..n).map(|j| j as f64).collect();
+            let part = Part {
+                contributions: vec![contributions(&ys)],
+                counts: vec![Counts { samples: n as u64, ..Counts::default() }],
+            };
+            Estimate::<f64>::in_batches(Design::Stratified, vec![1.0], part, 1, fitted)
+        };
+        let half = |e: &Estimate| {
+            let interval = e.interval_t(0.95).unwrap();
+            0.5 * (interval.upper - interval.lower) / e.standard_error().unwrap()
+        };
+        // Student's t of 9, 6 and 1 degrees of freedom.
+        for (fitted, t) in [(0, 2.262_157), (3, 2.446_912), (8, 12.706_205)] {
+            assert!(
+                (half(&of(10, fitted)) - t).abs() < 1e-5,
+                "{fitted}: {}",
+                half(&of(10, fitted))
+            );
+        }
+        assert_eq!(of(10, 9).standard_error(), None);
+        assert_eq!(of(10, 10).standard_error(), None);
+    }
+}

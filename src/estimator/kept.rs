@@ -69,6 +69,13 @@ impl Kept {
     }
 }
 
+/// y - β z.
+pub(crate) fn controlled(y: f64, z: &[f64], beta: &[f64]) -> f64 {
+    let control: f64 = beta.iter().zip(z).map(|(beta, z)| beta * z).sum();
+    // A sample at fault has no densities to speak of; it is counted.
+    y - if control.is_finite() { control } else { 0.0 }
+}
+
 /// Sums of contributions from which β z has been subtracted.
 #[derive(Debug)]
 pub(crate) struct Adjusted {
@@ -96,27 +103,36 @@ impl Adjusted {
     /// Adds all of `kept`, each to the stratum and with the coefficients that `of` says: a row for each
     /// component, or none at all.
     pub(crate) fn add<'b>(&mut self, kept: &Kept, of: impl Fn(&Origin) -> (usize, &'b [Vec<f64>])) {
+        let stratum = |origin: &Origin| of(origin).0;
+        self.add_each(kept, stratum, |_, origin, c, y, z| {
+            of(origin).1.get(c).map_or(y, |beta| controlled(y, z, beta))
+        });
+    }
+
+    /// Adds all of `kept`, each to the stratum that `stratum` says, as what `each` makes of its number,
+    /// origin, component, contribution and regressors.
+    pub(crate) fn add_each(
+        &mut self,
+        kept: &Kept,
+        stratum: impl Fn(&Origin) -> usize,
+        each: impl Fn(usize, &Origin, usize, f64, &[f64]) -> f64,
+    ) {
         let mut last = None;
-        for (origin, z, y) in kept.samples() {
-            let (stratum, beta) = of(origin);
+        for (j, (origin, z, ys)) in kept.samples().enumerate() {
+            let stratum = stratum(origin);
             let into = stratum * self.replicates + origin.replicate;
             if self.indices.len() == BLOCK || last.is_some_and(|last| last != into) {
                 self.flush(last.unwrap_or(into));
             }
             last = Some(into);
             let at = self.indices.len();
-            for (c, y) in y.iter().enumerate() {
-                let control: f64 = match beta.get(c) {
-                    Some(beta) => beta.iter().zip(z).map(|(beta, z)| beta * z).sum(),
-                    None => 0.0,
-                };
-                // A sample at fault has no densities to speak of; it is counted.
-                self.left[c * BLOCK + at] = y - if control.is_finite() { control } else { 0.0 };
+            for (c, y) in ys.iter().enumerate() {
+                self.left[c * BLOCK + at] = each(j, origin, c, *y, z);
             }
             self.indices.push(origin.index);
             let counts = &mut self.counts[stratum];
             counts.samples += 1;
-            counts.zero += u64::from(y.iter().all(|y| *y == 0.0));
+            counts.zero += u64::from(ys.iter().all(|y| *y == 0.0));
         }
         if let Some(last) = last {
             self.flush(last);

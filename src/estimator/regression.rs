@@ -1,6 +1,6 @@
 //! Least squares over any number of rows.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, PermutationSequence};
 
 /// Rows are folded into the triangle so many at a time.
 const ROWS: usize = 256;
@@ -23,6 +23,8 @@ pub(crate) struct Regression {
     regressors: usize,
     responses: usize,
     rows: u64,
+    /// Rows with a response that is not 0.
+    informative: u64,
     /// Rows that are still to be folded, one after the other.
     pending: Vec<f64>,
     /// Upper triangular.
@@ -46,9 +48,10 @@ impl Regression {
             regressors,
             responses,
             rows: 0,
+            informative: 0,
             pending: Vec::new(),
             triangle: DMatrix::zeros(0, 1 + regressors + responses),
-            exponents: vec![i32::MIN; responses],
+            exponents: vec![UNSET; responses],
         }
     }
 
@@ -61,13 +64,10 @@ impl Regression {
     ) {
         self.pending.push(weight);
         self.pending.extend(regressors.into_iter().take(self.regressors).map(|z| weight * z));
-        for (y, exponent) in responses.into_iter().zip(&mut self.exponents) {
-            if *exponent == i32::MIN && y != 0.0 {
-                *exponent = libm::frexp(y).1.clamp(-1020, 1020);
-            }
-            self.pending.push(weight * libm::ldexp(y, -unset_as_0(*exponent)));
-        }
+        let start = self.pending.len();
+        self.pending.extend(responses.into_iter().take(self.responses).map(|y| weight * y));
         self.rows += 1;
+        self.informative += u64::from(self.pending[start..].iter().any(|y| *y != 0.0));
         if self.pending.len() >= ROWS * self.triangle.ncols() {
             self.fold();
         }
@@ -78,47 +78,77 @@ impl Regression {
         self.rows
     }
 
+    /// How many have a response that is not 0.
+    pub(crate) fn informative(&self) -> u64 {
+        self.informative
+    }
+
     /// Adds the rows of another one, of the same shape.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.fold();
         let mut other = other.clone();
         other.fold();
         for c in 0..self.responses {
-            let (own, others) = (self.exponents[c], other.exponents[c]);
-            if own == i32::MIN {
-                self.exponents[c] = others;
-            } else if others != i32::MIN {
-                let shift = libm::ldexp(1.0, others - own);
-                other.triangle.column_mut(1 + self.regressors + c).scale_mut(shift);
-            }
+            let unit = self.exponents[c].max(other.exponents[c]);
+            self.set_unit(c, unit);
+            other.set_unit(c, unit);
         }
         self.rows += other.rows;
-        let rows =
-            other.triangle.row_iter().flat_map(|row| row.iter().copied().collect::<Vec<_>>());
-        self.pending.extend(rows);
-        self.fold();
+        self.informative += other.informative;
+        self.stack(&other.triangle);
     }
 
+    /// Holds response `c` in units of 2^`exponent`, at least as large as before.
+    fn set_unit(&mut self, c: usize, exponent: i32) {
+        let held = self.exponents[c];
+        if held != UNSET && held != exponent {
+            let shift = libm::ldexp(1.0, held - exponent);
+            self.triangle.column_mut(1 + self.regressors + c).scale_mut(shift);
+        }
+        self.exponents[c] = exponent;
+    }
+
+    /// Takes the pending rows into the triangle.
     fn fold(&mut self) {
         let columns = self.triangle.ncols();
         let added = self.pending.len() / columns;
         if added == 0 {
             return;
         }
-        let held = self.triangle.nrows();
-        let mut stacked = DMatrix::zeros(held + added, columns);
-        stacked.rows_mut(0, held).copy_from(&self.triangle);
-        stacked.rows_mut(held, added).copy_from(&DMatrix::from_row_slice(
-            added,
-            columns,
-            &self.pending,
-        ));
-        self.triangle = stacked.qr().r();
+        let mut rows = DMatrix::from_row_slice(added, columns, &self.pending);
         self.pending.clear();
+        for c in 0..self.responses {
+            let at = 1 + self.regressors + c;
+            // The largest response sets the unit: the square of no other one may overflow in it.
+            let largest = rows.column(at).iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+            if largest > 0.0 && largest.is_finite() {
+                let exponent = libm::frexp(largest).1.clamp(-1020, 1020);
+                self.set_unit(c, self.exponents[c].max(exponent));
+            }
+            let exponent = unset_as_0(self.exponents[c]);
+            rows.column_mut(at).apply(|y| *y = libm::ldexp(*y, -exponent));
+        }
+        self.stack(&rows);
+    }
+
+    fn stack(&mut self, rows: &DMatrix<f64>) {
+        if rows.nrows() == 0 {
+            return;
+        }
+        let (held, columns) = (self.triangle.nrows(), self.triangle.ncols());
+        let mut stacked = DMatrix::zeros(held + rows.nrows(), columns);
+        stacked.rows_mut(0, held).copy_from(&self.triangle);
+        stacked.rows_mut(held, rows.nrows()).copy_from(rows);
+        self.triangle = stacked.qr().r();
     }
 
     /// The coefficients that leave the least squares; `None` if they are not finite.
     pub(crate) fn solve(&self) -> Option<Solution> {
+        self.factored().solution()
+    }
+
+    /// The regressors, as independent of each other as they are.
+    pub(crate) fn factored(&self) -> Factored {
         let mut folded = self.clone();
         folded.fold();
         let (m, columns) = (self.regressors, self.triangle.ncols());
@@ -134,36 +164,78 @@ impl Regression {
             let (k, norm) = kept[at];
             r[(row + 1, k)] / norm
         });
-        let mut coefficients = vec![vec![0.0; m]; self.responses];
-        let mut rank = 0;
-        if !kept.is_empty() {
-            let factors = scaled.col_piv_qr();
-            let (q, triangle) = (factors.q(), factors.r());
-            let largest = triangle[(0, 0)].abs();
-            rank = (0..kept.len().min(m))
-                .take_while(|j| triangle[(*j, *j)].abs() > NOISE * largest)
-                .count();
-            let solvable = triangle.view((0, 0), (rank, rank)).into_owned();
-            for (c, row) in coefficients.iter_mut().enumerate() {
-                let y = r.view((1, 1 + m + c), (m, 1));
-                let right: DVector<f64> = q.columns(0, rank).tr_mul(&y).column(0).into_owned();
-                let solved = solvable.solve_upper_triangular(&right)?;
-                let mut all = DVector::zeros(kept.len());
-                all.rows_mut(0, rank).copy_from(&solved);
-                factors.p().inv_permute_rows(&mut all);
-                for ((k, norm), beta) in kept.iter().zip(all.iter()) {
-                    row[k - 1] = libm::ldexp(beta / norm, unset_as_0(self.exponents[c]));
-                }
+        let exponents = folded.exponents;
+        if kept.is_empty() {
+            let (q, triangle) = (DMatrix::zeros(m, 0), DMatrix::zeros(0, 0));
+            let order = PermutationSequence::identity_generic(Dyn(0));
+            return Factored { regressors: m, r, exponents, kept, q, triangle, order };
+        }
+        let factors = scaled.col_piv_qr();
+        let (q, triangle) = (factors.q(), factors.r());
+        let largest = triangle[(0, 0)].abs();
+        let rank = (0..kept.len().min(m))
+            .take_while(|j| triangle[(*j, *j)].abs() > NOISE * largest)
+            .count();
+        let triangle = triangle.view((0, 0), (rank, rank)).into_owned();
+        let order = factors.p().clone();
+        Factored { regressors: m, r, exponents, kept, q, triangle, order }
+    }
+}
+
+/// A regression whose independent regressors are known.
+#[derive(Debug)]
+pub(crate) struct Factored {
+    regressors: usize,
+    /// The triangle of the whole.
+    r: DMatrix<f64>,
+    exponents: Vec<i32>,
+    /// The columns that are not constant, and their lengths beside the intercept.
+    kept: Vec<(usize, f64)>,
+    /// Those, scaled and put in order: q · triangle, of the rank.
+    q: DMatrix<f64>,
+    triangle: DMatrix<f64>,
+    order: PermutationSequence<Dyn>,
+}
+
+impl Factored {
+    pub(crate) fn solution(&self) -> Option<Solution> {
+        let (m, rank) = (self.regressors, self.triangle.nrows());
+        let mut coefficients = vec![vec![0.0; m]; self.exponents.len()];
+        for (c, row) in coefficients.iter_mut().enumerate() {
+            let y = self.r.view((1, 1 + m + c), (m, 1));
+            let right: DVector<f64> = self.q.columns(0, rank).tr_mul(&y).column(0).into_owned();
+            let solved = self.triangle.solve_upper_triangular(&right)?;
+            let mut all = DVector::zeros(self.kept.len());
+            all.rows_mut(0, rank).copy_from(&solved);
+            self.order.inv_permute_rows(&mut all);
+            for ((k, norm), beta) in self.kept.iter().zip(all.iter()) {
+                row[k - 1] = libm::ldexp(beta / norm, unset_as_0(self.exponents[c]));
             }
         }
         let finite = coefficients.iter().flatten().all(|beta| beta.is_finite());
         finite.then_some(Solution { coefficients, rank })
     }
+
+    /// The row with regressors `z` less the mean, in coordinates in which the rows are orthonormal.
+    pub(crate) fn whitened(&self, z: &[f64]) -> DVector<f64> {
+        let of = |(k, norm): &(usize, f64)| {
+            let mean = self.r[(0, *k)] / self.r[(0, 0)];
+            (z.get(k - 1).copied().unwrap_or(0.0) - mean) / norm
+        };
+        let mut row = DVector::from_iterator(self.kept.len(), self.kept.iter().map(of));
+        self.order.permute_rows(&mut row);
+        let mut row = row.rows(0, self.triangle.nrows()).into_owned();
+        self.triangle.tr_solve_upper_triangular_mut(&mut row);
+        row
+    }
 }
 
-/// The exponent of a response that has been 0 so far does not matter.
+/// The exponent of a response that has been 0 so far.
+const UNSET: i32 = i32::MIN;
+
+/// It does not matter.
 fn unset_as_0(exponent: i32) -> i32 {
-    if exponent == i32::MIN { 0 } else { exponent }
+    if exponent == UNSET { 0 } else { exponent }
 }
 
 #[cfg(test)]
@@ -229,6 +301,41 @@ mod tests {
     }
 
     #[test]
+    fn responses_of_any_size_in_any_order_are_fitted() {
+        for reversed in [false, true] {
+            let mut fit = Regression::new(1, 1);
+            for j in 0..2000 {
+                let x = f64::from(if reversed { 1999 - j } else { j }) / 2000.0;
+                // From 1e-300 to 1e300.
+                fit.push(1.0, [10_f64.powf(600.0 * x - 600.0)], [10_f64.powf(600.0 * x - 300.0)]);
+            }
+            let beta = fit.solve().unwrap().coefficients[0][0];
+            assert!((beta / 1e300 - 1.0).abs() < 1e-12, "{reversed}: {beta}");
+        }
+    }
+
+    /// The squared lengths of whitened rows sum to the rank, and the rows to 0.
+    #[test]
+    fn whitened_rows_are_orthonormal() {
+        let z = |j: u32| {
+            let x = f64::from(j) / 500.0;
+            [x, x.exp(), 2.0 * x, 3.0, x * x]
+        };
+        let mut fit = Regression::new(5, 1);
+        (0..500).for_each(|j| fit.push(1.0, z(j), [1.0]));
+        let factored = fit.factored();
+        let rows: Vec<_> = (0..500).map(|j| factored.whitened(&z(j))).collect();
+        assert_eq!(rows[0].len(), 3);
+        for i in 0..3 {
+            assert!(rows.iter().map(|row| row[i]).sum::<f64>().abs() < 1e-9);
+            for k in 0..3 {
+                let product: f64 = rows.iter().map(|row| row[i] * row[k]).sum();
+                assert!((product - f64::from(u8::from(i == k))).abs() < 1e-10, "{i} {k} {product}");
+            }
+        }
+    }
+
+    #[test]
     fn weights_are_repeated_rows() {
         let (mut once, mut thrice) = (Regression::new(1, 1), Regression::new(1, 1));
         for (x, y, times) in [(0.0, 1.0, 1), (1.0, 4.0, 3), (2.0, 3.0, 2)] {
@@ -271,6 +378,6 @@ mod tests {
         let mut fit = Regression::new(1, 1);
         fit.push(1.0, [f64::NAN], [1.0]);
         fit.push(1.0, [1.0], [2.0]);
-        assert_eq!(fit.solve().map(|s| s.rank).unwrap_or(0), 0);
+        assert_eq!(fit.solve().map_or(0, |s| s.rank), 0);
     }
 }
