@@ -144,6 +144,23 @@ pub enum EstimateError {
         /// How many it made.
         sampled: usize,
     },
+    /// A control variate is infinite or NaN, or over the density it is.
+    #[error(
+        "control variate {variate} is {value} at sample {sample} of technique {technique}, \
+         x = {point}; it must be finite, over the density of the samples too"
+    )]
+    Variate {
+        /// The control variate, by its index.
+        variate: usize,
+        /// The technique that drew the sample.
+        technique: usize,
+        /// The sample's index.
+        sample: u64,
+        /// The point, as `Debug` prints it, cut after 300 characters.
+        point: String,
+        /// The value.
+        value: f64,
+    },
     /// The point source ran out.
     #[error(transparent)]
     Points(#[from] PointsExhausted),

@@ -91,3 +91,13 @@ fn what_depends_on_the_pdfs_is_left_out() {
     assert_eq!(found.rank(), 1);
     assert!((found.value() / plain.value() - 1.0).abs() < 1e-13, "{found} {plain}");
 }
+
+#[test]
+fn a_control_variate_that_is_not_finite_is_an_error() {
+    let flat = Uniform::unit();
+    let pole = |x: &f64| if *x < 0.5 { f64::INFINITY } else { 1.0 };
+    let mis = OptimalMis::new(&[(&flat, 100)]).unwrap();
+    let mis = mis.control_variates([(&square as _, 1.0 / 3.0), (&pole as _, 1.0)]).unwrap();
+    let message = mis.estimate(&|x: &f64| *x, 1).unwrap_err().to_string();
+    assert!(message.starts_with("control variate 1 is inf at sample"), "{message}");
+}

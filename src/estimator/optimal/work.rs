@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::OptimalMis;
 use super::estimate::OptimalEstimate;
 use super::left_out::LeftOut;
-use crate::error::EstimateError;
+use crate::error::{EstimateError, shortened};
 use crate::estimate::Estimate;
 use crate::estimator::controls::Controls;
 use crate::estimator::kept::{Adjusted, Kept, Origin, controlled};
@@ -85,22 +85,38 @@ where
         let mut part = Part::empty(techniques, self.replicates, Self::COMPONENTS);
         let sums = Sums { part: &mut part, evidence: None };
         let mut differences = vec![0.0; techniques];
+        let mut fault = None;
         let inspect = |sample: &Sample<'_, P, F::Value>| {
             sample.differences(self.reference, &mut differences);
             kept.push(sample, |row| {
                 let start = row.len();
+                // The balance heuristic's factor is 1 / Σ α_k p_k, but 0 at a sample at fault, which is
+                // counted.
+                let weight = sample.weight();
                 row.extend(self.active[1..].iter().map(|k| differences[*k]));
-                row.extend(self.mis.variates.iter().map(|v| {
-                    // The balance heuristic's factor is 1 / Σ α_k p_k.
-                    (v.h)(sample.x()) * sample.weight() - v.integral
-                }));
-                // A sample at fault, which is counted.
-                if row[start..].iter().any(|z| !z.is_finite()) {
+                for (number, variate) in self.mis.variates.iter().enumerate() {
+                    let h = (variate.h)(sample.x());
+                    let z = h * weight - variate.integral;
+                    row.push(z);
+                    if !z.is_finite() && weight != 0.0 {
+                        fault.get_or_insert_with(|| EstimateError::Variate {
+                            variate: number,
+                            technique: sample.technique(),
+                            sample: sample.index(),
+                            point: shortened(sample.x()),
+                            value: h,
+                        });
+                    }
+                }
+                if weight == 0.0 || row[start..].iter().any(|z| !z.is_finite()) {
                     row[start..].fill(0.0);
                 }
             });
         };
         self.mis.mis.draw(self.f, self.points, range, &mut Buffers::new(), sums, inspect)?;
+        if let Some(fault) = fault {
+            return Err(fault);
+        }
         Ok(part)
     }
 
