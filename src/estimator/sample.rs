@@ -92,6 +92,12 @@ impl DensitiesAt<'_> {
         }
     }
 
+    /// 1 / Σ α_m p_m.
+    fn inverse(&self) -> f64 {
+        let pdfs = self.rows.iter().step_by(self.stride.max(1));
+        self.alpha.iter().zip(pdfs).map(|(alpha, p)| alpha * p).sum::<f64>().recip()
+    }
+
     /// (p_k - p_r) / Σ α_m p_m for every technique, into `out`.
     fn differences(&self, r: usize, out: &mut [f64]) {
         // Exact where the densities are close; their quotients are not.
@@ -163,6 +169,12 @@ impl<'a, P, V: Value> Sample<'a, P, V> {
     /// [`relative_densities`](Self::relative_densities).
     pub(crate) fn differences(&self, r: usize, out: &mut [f64]) {
         self.densities.differences(r, out);
+    }
+
+    /// 1 / Σ α_m p_m at x, under the balance heuristic; of a sample at fault too, if its densities are
+    /// not.
+    pub(crate) fn inverse_mixture(&self) -> f64 {
+        if self.weight == 0.0 { self.densities.inverse() } else { self.weight }
     }
 
     /// NaN for a component that there is not.

@@ -90,15 +90,13 @@ where
             sample.differences(self.reference, &mut differences);
             kept.push(sample, |row| {
                 let start = row.len();
-                // The balance heuristic's factor is 1 / Σ α_k p_k, but 0 at a sample at fault, which is
-                // counted.
-                let weight = sample.weight();
+                let weight = sample.inverse_mixture();
                 row.extend(self.active[1..].iter().map(|k| differences[*k]));
                 for (number, variate) in self.mis.variates.iter().enumerate() {
                     let h = (variate.h)(sample.x());
                     let z = h * weight - variate.integral;
                     row.push(z);
-                    if !z.is_finite() && weight != 0.0 {
+                    if !z.is_finite() && weight.is_finite() {
                         fault.get_or_insert_with(|| EstimateError::Variate {
                             variate: number,
                             technique: sample.technique(),
@@ -108,7 +106,8 @@ where
                         });
                     }
                 }
-                if weight == 0.0 || row[start..].iter().any(|z| !z.is_finite()) {
+                // A sample at fault has no densities to speak of; it is counted.
+                if row[start..].iter().any(|z| !z.is_finite()) {
                     row[start..].fill(0.0);
                 }
             });
