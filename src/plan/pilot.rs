@@ -1,221 +1,38 @@
 //! A few samples of every technique, kept apart from any result.
 
-use std::fmt::Debug;
-use std::marker::PhantomData;
-use std::mem::discriminant;
-use std::time::Instant;
-
 use super::allocation::{self, Allocation};
-use super::cost::{Costs, Nothing, TimedIntegrand, TimedTechnique};
+use super::combining::cost_of;
+use super::cost::Costs;
 use super::data::Data;
-use super::method::{Method, Planned};
+use super::method::Method;
 use super::predict::{Forecast, controls, forecast};
 use super::prediction::{Caution, Prediction};
-use super::{COUNTED, Plan};
+use super::{Plan, counted, counts};
 use crate::error::ArgumentError;
-use crate::estimator::{Buffers, Draw, Kept, MultiSample, OnFault, Sums};
-use crate::integrand::{Integrand, Value};
-use crate::part::Part;
-use crate::points::Random;
-use crate::run::{RunFault, Target};
-use crate::technique::Technique;
+use crate::estimator::OnFault;
 use crate::weighting::VarianceAware;
-
-/// How plans are made.
-///
-/// See the [module](crate::plan).
-#[derive(Debug, Clone, Default)]
-pub struct Planner {
-    samples: Option<u64>,
-    costs: Option<Costs>,
-    floor: Option<f64>,
-    target: Target,
-    on_fault: OnFault,
-}
-
-/// Samples of each technique, unless there are many techniques.
-const SAMPLES: u64 = 4096;
-
-/// The most densities that a pilot holds by default, times the number of techniques.
-const DENSITIES: u64 = 1 << 20;
-
-/// The share of all samples that optimised allocations leave to be divided equally.
-const FLOOR: f64 = 0.01;
 
 /// A variance whose standard error is more than this part of it is uncertain.
 const UNCERTAIN: f64 = 0.07;
 
-/// Pilots draw other samples than runs with the same seed.
-const APART: u64 = 0x70_69_6c_6f_74;
-
 /// What an optimisation of the shares may look at: densities, times what the method takes for each.
 const OPERATIONS: usize = 1 << 16;
 
-impl Planner {
-    /// 4096 samples of each technique (fewer if there are more than 16), measured costs, a floor of 0.01.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// The pilot draws so many samples of each technique.
-    ///
-    /// # Errors
-    ///
-    /// There must be at least 16, and at most 2²⁰.
-    pub fn samples(self, samples: u64) -> Result<Self, ArgumentError> {
-        if !(16..=1 << 20).contains(&samples) {
-            let rule = "it must be at least 16 and at most 2^20";
-            return Err(ArgumentError::new("Planner", "samples", samples, rule));
-        }
-        Ok(Self { samples: Some(samples), ..self })
-    }
-
-    /// The costs are these; no clock is read.
-    #[must_use]
-    pub fn costs(self, costs: Costs) -> Self {
-        Self { costs: Some(costs), ..self }
-    }
-
-    /// Optimised allocations give every technique at least the share `floor` / K. A technique without
-    /// samples could not show that it is needed.
-    ///
-    /// # Errors
-    ///
-    /// It must be greater than 0 and at most 1.
-    pub fn floor(self, floor: f64) -> Result<Self, ArgumentError> {
-        if !(floor > 0.0 && floor <= 1.0) {
-            let rule = "it must be greater than 0 and at most 1";
-            return Err(ArgumentError::new("Planner", "floor", floor, rule));
-        }
-        Ok(Self { floor: Some(floor), ..self })
-    }
-
-    /// What runs of the plan are for: which components count, and what [`integrate`](Planner::integrate)
-    /// goes on to reach.
-    #[must_use]
-    pub fn target(self, target: Target) -> Self {
-        Self { target, ..self }
-    }
-
-    /// What to do with samples that have no usable contribution, in the pilot and in the plan; an error
-    /// by default.
-    #[must_use]
-    pub fn on_fault(self, on_fault: OnFault) -> Self {
-        Self { on_fault, ..self }
-    }
-
-    pub(super) fn aim(&self) -> Target {
-        self.target
-    }
-
-    /// A pilot, and the plan that it leads to.
-    ///
-    /// # Errors
-    ///
-    /// As [`pilot`](Planner::pilot).
-    pub fn plan<P, F>(
-        &self,
-        f: &F,
-        techniques: &[&dyn Technique<Point = P>],
-        seed: u64,
-    ) -> Result<Plan, RunFault>
-    where
-        P: Debug,
-        F: Integrand<P> + ?Sized,
-    {
-        Ok(self.pilot(f, techniques, seed)?.plan()?)
-    }
-
-    /// Draws a pilot. Its samples are others than those of a run with the same seed.
-    ///
-    /// # Errors
-    ///
-    /// There must be at least one technique, and declared costs for each. The integrand or a pdf is
-    /// not what it must be at some sample.
-    pub fn pilot<P, F>(
-        &self,
-        f: &F,
-        techniques: &[&dyn Technique<Point = P>],
-        seed: u64,
-    ) -> Result<Pilot, RunFault>
-    where
-        P: Debug,
-        F: Integrand<P> + ?Sized,
-    {
-        let k = techniques.len();
-        if let Some(costs) = &self.costs {
-            costs.check(k)?;
-        }
-        self.target.check(F::Value::COMPONENTS)?;
-        let all = k.max(1) as u64;
-        let samples = self.samples.unwrap_or((DENSITIES / (all * all)).clamp(64, SAMPLES));
-        let timed: Vec<_> = techniques.iter().map(|inner| TimedTechnique::new(*inner)).collect();
-        let integrand = TimedIntegrand { inner: f, clock: super::cost::Clock::default() };
-        let list: Vec<(&dyn Technique<Point = P>, u64)> = timed
-            .iter()
-            .zip(techniques)
-            // Without a clock where costs are declared.
-            .map(|(timed, plain)| (if self.costs.is_some() { *plain } else { timed as _ }, samples))
-            .collect();
-        let mis = MultiSample::new(&list)?.on_fault(self.on_fault);
-        let mut part = Part::empty(k, 1, F::Value::COMPONENTS);
-        let sums = Sums { part: &mut part, evidence: None };
-        let mut kept = Kept::new(k, F::Value::COMPONENTS);
-        let mut densities = vec![0.0; k];
-        let (range, points) = (0..samples * all, Random::new(seed ^ APART));
-        let inspect = |sample: &crate::Sample<'_, P, F::Value>| {
-            sample.relative_densities(&mut densities);
-            kept.push(sample, |row| row.extend_from_slice(&densities));
-        };
-        let mut buffers = Buffers::new();
-        if self.costs.is_some() {
-            mis.draw(f, &points, range, &mut buffers, sums, inspect)?;
-        } else {
-            mis.draw(&integrand, &points, range, &mut buffers, sums, inspect)?;
-        }
-        let counts = part.all();
-        self.on_fault.check(counts.faults(), counts.samples)?;
-
-        let data = Data::new(&kept, k, F::Value::COMPONENTS);
-        let (costs, combining) = match &self.costs {
-            Some(costs) => (costs.clone(), Vec::new()),
-            None => {
-                let combining = combining::<P, F::Value>(techniques)?;
-                let balance = cost_of(&combining, &Method::Balance).unwrap_or(1e-12);
-                let costs = Costs {
-                    sampling: timed.iter().map(|t| t.sampling.per_sample()).collect(),
-                    pdf: timed.iter().map(|t| t.pdf.per_sample()).collect(),
-                    integrand: integrand.clock.per_sample(),
-                    combining: balance,
-                };
-                (costs, combining)
-            }
-        };
-        let scale = |c: usize| {
-            let squares: Vec<f64> = data.y(c).iter().map(|y| y * y).collect();
-            let (square, _) = data.mean(&squares);
-            if square > 0.0 && self.target.counts(c) { square.recip() } else { 0.0 }
-        };
-        let scales = (0..F::Value::COMPONENTS).map(scale).collect();
-        let values = (0..F::Value::COMPONENTS).map(|c| data.mean(data.y(c)).0).collect();
-        let (floor, on_fault) = (self.floor.unwrap_or(FLOOR), self.on_fault);
-        Ok(Pilot { data, costs, combining, scales, values, floor, on_fault })
-    }
-}
+/// The densities that a method which weighs each technique's samples on its own looks at, times K.
+const ROOM: usize = 1 << 21;
 
 /// A few samples of every technique, with their pdfs and what they cost.
 #[derive(Debug, Clone)]
 pub struct Pilot {
-    data: Data,
-    costs: Costs,
+    pub(super) data: Data,
+    pub(super) costs: Costs,
     /// What combining costs, by kind of method; empty if costs are declared.
-    combining: Vec<(Method, f64)>,
+    pub(super) combining: Vec<(Method, f64)>,
     /// What the variance of a component counts for.
-    scales: Vec<f64>,
-    values: Vec<f64>,
-    floor: f64,
-    on_fault: OnFault,
+    pub(super) scales: Vec<f64>,
+    pub(super) values: Vec<f64>,
+    pub(super) floor: f64,
+    pub(super) on_fault: OnFault,
 }
 
 impl Pilot {
@@ -308,7 +125,7 @@ impl Pilot {
             best.map_or((Method::Balance, Vec::new()), |best| (best.method, best.shares));
         Ok(Plan {
             method,
-            counts: allocation::counts(&shares, COUNTED),
+            counts: counts(&shares),
             predictions,
             costs: self.costs.clone(),
             pilot_samples: self.samples(),
@@ -341,7 +158,7 @@ impl Pilot {
         for method in &methods {
             let before = self.prediction(method, equal.clone(), false)?;
             if !matches!(before.caution, Some(Caution::Biased { .. } | Caution::NoSignal)) {
-                let optimised = self.allocate(method)?.shares;
+                let optimised = counted(&self.allocate(method)?.shares);
                 all.push(self.prediction(method, optimised, true)?);
             }
             all.push(before);
@@ -356,7 +173,7 @@ impl Pilot {
         optimised: bool,
     ) -> Result<Prediction, ArgumentError> {
         // A method that weighs each technique's samples on its own takes K times as long.
-        let most = DENSITIES as usize * 2 / self.data.techniques;
+        let most = ROOM / self.data.techniques;
         let thinned = matches!(
             method,
             Method::Power(_) | Method::Cutoff(_) | Method::Maximum | Method::VarianceAware(_)
@@ -470,59 +287,4 @@ fn slope(shares: &[f64], v: f64, total: impl Fn(&[f64]) -> Option<f64>) -> Optio
         Some((v - total(&more)? / sum) / (STEP * shares[k]))
     };
     (0..shares.len()).map(one).collect()
-}
-
-fn cost_of(combining: &[(Method, f64)], method: &Method) -> Option<f64> {
-    let kind = discriminant(method);
-    combining.iter().find(|(known, _)| discriminant(known) == kind).map(|(_, cost)| *cost)
-}
-
-/// What combining costs, for each kind of method: the time of drawing samples of an integrand that takes
-/// none, less that of the techniques.
-fn combining<P: Debug, V: Value>(
-    techniques: &[&dyn Technique<Point = P>],
-) -> Result<Vec<(Method, f64)>, RunFault> {
-    let k = techniques.len();
-    let equal = vec![1.0 / k as f64; k];
-    let controls = crate::Controls::new(0, (0..V::COMPONENTS).map(|_| equal.clone()))?;
-    let methods = [
-        Method::Balance,
-        Method::Single(0),
-        Method::Constant(equal.clone()),
-        Method::Power(2.0),
-        Method::Cutoff(0.1),
-        Method::Maximum,
-        Method::OneSample,
-        Method::VarianceAware(vec![1.0; k]),
-        Method::Optimal(controls),
-    ];
-    let each = (4096 / k as u64).clamp(32, 512);
-    let mut all = Vec::with_capacity(methods.len());
-    for method in methods {
-        let mut least = f64::INFINITY;
-        let mut buffers = Buffers::new();
-        for repetition in 0..4 {
-            let timed: Vec<_> =
-                techniques.iter().map(|inner| TimedTechnique::new(*inner)).collect();
-            let list: Vec<&dyn Technique<Point = P>> = timed.iter().map(|t| t as _).collect();
-            let mut counts = vec![each; k];
-            if let Method::Single(_) = method {
-                counts[1..].fill(0);
-            }
-            let samples: u64 = counts.iter().sum();
-            let on_fault = OnFault::count_as_zero(1.0)?;
-            let estimator = Planned::new(&method, &list, &counts, on_fault)?;
-            let mut part = Part::empty(k, 1, V::COMPONENTS);
-            let sums = Sums { part: &mut part, evidence: None };
-            let nothing = Nothing::<V>(PhantomData);
-            let points = Random::new(repetition);
-            let start = Instant::now();
-            estimator.draw(&nothing, &points, 0..samples, &mut buffers, sums, |_| ())?;
-            let elapsed = start.elapsed().as_secs_f64();
-            let own: f64 = timed.iter().map(|t| t.sampling.total() + t.pdf.total()).sum();
-            least = least.min((elapsed - own).max(0.0) / samples as f64);
-        }
-        all.push((method, least.max(1e-12)));
-    }
-    Ok(all)
 }

@@ -26,10 +26,15 @@ pub(super) struct Forecast {
 /// How heavy the tail of the terms of a variance may be: their own variance is infinite from 1/2 on.
 const HEAVY: f64 = 0.5;
 
+/// A variance over the mean square that is rounding, and nothing to choose by: contributions are good to
+/// some 2⁻⁴⁴.
+const ROUNDING: f64 = 1.0 / ((1_u64 << 44) as f64 * (1_u64 << 44) as f64);
+
 impl Forecast {
-    /// The components' variances over their scales, added up.
+    /// The components' variances over their scales, added up; of each, at least what rounding leaves.
     pub(super) fn total(&self, scales: &[f64]) -> f64 {
-        self.variance.iter().zip(scales).map(|(v, s)| v * s).sum()
+        let floor = |s: f64| if s > 0.0 { ROUNDING } else { 0.0 };
+        self.variance.iter().zip(scales).map(|(v, s)| (v * s).max(floor(*s))).sum()
     }
 
     /// Whether few samples make up a variance, so that it may be far larger than it looks.
