@@ -162,13 +162,13 @@ impl Adaptive {
         }
         let rounds = (1..=self.rounds).rev().find(|r| self.samples >> (r - 1) >= 256).unwrap_or(1);
         let ends: Vec<u64> = (0..rounds).rev().map(|h| self.samples >> h).collect();
-        let mut shares = vec![1.0 / k.max(1) as f64; k];
+        let equal = vec![1.0 / k.max(1) as f64; k];
+        let mut counts = allocation::counts(&equal, ends[0]);
         let mut own: Option<Controls> = None;
         let (mut start, mut done) = (0, Vec::new());
         for (number, end) in ends.iter().enumerate() {
             let samples = end - start;
             start = *end;
-            let counts = allocation::counts(&shares, samples);
             let list: Vec<_> = techniques.iter().copied().zip(counts.iter().copied()).collect();
             let plain = MultiSample::new(&list)?.on_fault(self.on_fault);
             let points = Shifted { points, streams: number * k * replicates(points) };
@@ -183,27 +183,30 @@ impl Adaptive {
                 }
                 None => run.execute_from(&plain, f, &points)?,
             };
-            let next = if *end < self.samples {
-                Some(self.learn(&plain, f, &points, samples.min(LESSON))?)
-            } else {
-                None
+            // The next round has as many samples as all before it, or one more.
+            let next = match ends.get(number + 1) {
+                Some(later) => {
+                    Some(self.learn(&plain, f, &points, samples.min(LESSON), later - end)?)
+                }
+                None => None,
             };
-            done.push(AdaptedRound { counts, controls: own.clone(), report });
+            done.push(AdaptedRound { counts: counts.clone(), controls: own.clone(), report });
             if let Some((adapted, controls)) = next {
-                (shares, own) = (adapted, controls);
+                (counts, own) = (adapted, controls);
             }
         }
         Ok(Adapted::new(done))
     }
 
-    /// Shares and controls for the next round, from the first `samples` of this one.
+    /// Counts and controls for a round of `next` samples, from the first `samples` of this one.
     fn learn<P, F, S>(
         &self,
         plain: &MultiSample<'_, P>,
         f: &F,
         points: &S,
         samples: u64,
-    ) -> Result<(Vec<f64>, Option<Controls>), RunError<F::Value>>
+        next: u64,
+    ) -> Result<(Vec<u64>, Option<Controls>), RunError<F::Value>>
     where
         P: Debug,
         F: Integrand<P> + ?Sized,
@@ -227,7 +230,7 @@ impl Adaptive {
             })
             .collect();
         if scales.iter().all(|scale| *scale == 0.0) {
-            return Ok((shares.to_vec(), None));
+            return Ok((allocation::counts(shares, next), None));
         }
         let fitted = |shares: &[f64]| controls(&data, shares).filter(|_| self.controls);
         let method = match fitted(shares) {
@@ -243,8 +246,11 @@ impl Adaptive {
             Some((forecast.total(&scales), forecast.gradient?, costs))
         })
         .shares;
-        let controls = fitted(&adapted).map(|(controls, _)| controls);
-        Ok((adapted, controls))
+        let counts = allocation::counts(&adapted, next);
+        // Those that fit the shares as they are drawn.
+        let drawn: Vec<f64> = counts.iter().map(|n| *n as f64 / next as f64).collect();
+        let controls = fitted(&drawn).map(|(controls, _)| controls);
+        Ok((counts, controls))
     }
 }
 

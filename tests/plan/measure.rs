@@ -21,13 +21,24 @@ pub(crate) struct Row {
 pub(crate) struct Measured {
     pub(crate) seed: u64,
     pub(crate) rows: Vec<Row>,
+    squares: Vec<f64>,
 }
 
-impl Row {
-    /// The largest of |ln(predicted / realised)|, over the components.
-    pub(crate) fn off(&self) -> f64 {
-        let both = self.prediction.variance.iter().zip(&self.realised);
-        both.map(|(p, r)| if p == r { 0.0 } else { (p / r - 1.0).abs() }).fold(0.0, f64::max)
+impl Measured {
+    /// Whether the row's prediction is within `most` of what is realised, in every component.
+    pub(crate) fn is_within(&self, row: &Row, most: f64) -> bool {
+        let all = row.prediction.variance.iter().zip(&row.realised).zip(&self.squares);
+        all.into_iter().all(|((p, r), square)| {
+            let exact = *p <= EXACT * square && *r <= EXACT * square;
+            exact || (p / r - 1.0).abs() <= most
+        })
+    }
+
+    /// The first row's efficiency over that of the best row whose variance is known.
+    pub(crate) fn recommended(&self) -> f64 {
+        let known = self.rows.iter().filter(|row| row.noise <= 0.1 && row.efficiency.is_finite());
+        let best = known.map(|row| row.efficiency).fold(0.0, f64::max);
+        self.rows[0].efficiency / best
     }
 }
 
@@ -73,7 +84,8 @@ pub(crate) fn measure(
     let planner = planner.clone().costs(problem.costs(kind));
     let pilot = problem.pilot(&planner, seed);
     let mut plan = pilot.plan().unwrap();
-    let rows = (0..plan.predictions.len())
+    let exact = problem.variances();
+    let mut rows: Vec<Row> = (0..plan.predictions.len())
         .map(|number| {
             plan.choose(number).unwrap();
             let prediction = plan.predictions[number].clone();
@@ -90,7 +102,8 @@ pub(crate) fn measure(
                 let found = if biased {
                     (vec![f64::NAN; prediction.variance.len()], f64::NAN)
                 } else {
-                    realised(problem, &plan, samples)
+                    let exactly = exact.as_ref().and_then(|v| by_quadrature(&prediction, v));
+                    exactly.unwrap_or_else(|| realised(problem, &plan, samples))
                 };
                 if !prediction.optimised {
                     let key = (prediction.method.clone(), prediction.shares.clone());
@@ -98,22 +111,41 @@ pub(crate) fn measure(
                 }
                 found
             });
-            // The plan's efficiency, with realised variances; components in the same proportions.
-            let total = |variance: &[f64]| -> f64 {
-                variance.iter().zip(&plan.pilot_value).map(|(v, mu)| v / (v + mu * mu)).sum()
-            };
-            let _ = total;
-            let ratio = realised
-                .iter()
-                .zip(&prediction.variance)
-                .map(|(r, p)| if r == p { 1.0 } else { r / p })
-                .sum::<f64>()
-                / realised.len() as f64;
-            let efficiency = prediction.efficiency / ratio;
-            Row { prediction, realised, noise, efficiency }
+            Row { prediction, realised, noise, efficiency: f64::NAN }
         })
         .collect();
-    Measured { seed, rows }
+    // What a component's variance counts for: one over its mean square, which the one-sample variance
+    // with equal shares is, less the square of the mean.
+    let square = |c: usize| {
+        let mixture = rows.iter().find(|row| match row.prediction.method {
+            Method::OneSample => !row.prediction.optimised,
+            _ => problem.techniques == 1,
+        });
+        mixture.map_or(f64::NAN, |row| row.realised[c] + plan.pilot_value[c].powi(2))
+    };
+    let squares: Vec<f64> = (0..plan.pilot_value.len()).map(square).collect();
+    for row in &mut rows {
+        let relative = |(v, square): (&f64, &f64)| (v / square).max(EXACT);
+        let total: f64 = row.realised.iter().zip(&squares).map(relative).sum();
+        row.efficiency = (total * row.prediction.cost).recip();
+    }
+    Measured { seed, rows, squares }
+}
+
+/// A variance over the mean square that is nothing but rounding.
+pub(crate) const EXACT: f64 = 1e-26;
+
+/// The variance of a technique alone and of constant weights, from those of the techniques.
+fn by_quadrature(prediction: &Prediction, alone: &[f64]) -> Option<(Vec<f64>, f64)> {
+    let variance = match &prediction.method {
+        Method::Single(i) => alone[*i],
+        Method::Constant(weights) => {
+            let all = weights.iter().zip(&prediction.shares).zip(alone);
+            all.map(|((w, alpha), v)| if *w > 0.0 { w * w * v / alpha } else { 0.0 }).sum()
+        }
+        _ => return None,
+    };
+    Some((vec![variance], 0.0))
 }
 
 /// Does `work` for 0 up to `count` on two threads; the results in order.

@@ -22,19 +22,15 @@ fn explore() {
         });
         let (mut r, mut fl, mut of, mut recommended, mut bad) = (0, 0, 0, Vec::new(), 0);
         for m in &all {
-            let best = m
-                .rows
-                .iter()
-                .map(|row| row.efficiency)
-                .filter(|e| e.is_finite())
-                .fold(0.0, f64::max);
-            let own = m.rows[0].efficiency;
-            let relative = if best > 0.0 && own.is_finite() { own / best } else { 1.0 };
+            let known = m.rows[0].efficiency.is_finite();
+            let relative = if known { m.recommended() } else { 1.0 };
             if relative < 0.9 {
                 bad += 1;
                 let b = m.rows.iter().max_by(|a, b| {
-                    let key = |e: f64| if e.is_finite() { e } else { 0.0 };
-                    key(a.efficiency).total_cmp(&key(b.efficiency))
+                    let key = |r: &crate::measure::Row| {
+                        if r.efficiency.is_finite() && r.noise <= 0.1 { r.efficiency } else { 0.0 }
+                    };
+                    key(a).total_cmp(&key(b))
                 });
                 println!(
                     "    BAD seed {} {:.3}: {} opt {} {:?}; best {} opt {} pred {:.3e} real {:?} {:?}",
@@ -55,7 +51,7 @@ fn explore() {
                 r += 1;
                 if row.prediction.caution.is_some() {
                     fl += 1;
-                } else if !(row.off() <= 0.2) {
+                } else if !m.is_within(row, 0.2) {
                     of += 1;
                     println!(
                         "    OFF seed {} {} opt {}: predicted {:?} (±{:.3?}) realised {:?} noise {:.3} shares {:.3?}",

@@ -1,5 +1,6 @@
 //! Integrands with techniques, from easy to hopeless, of which plans are made.
 
+use std::any::Any;
 use std::f64::consts::{E, FRAC_PI_2, PI};
 use std::fmt::Debug;
 
@@ -16,6 +17,8 @@ pub(crate) struct Problem {
     pub(crate) techniques: usize,
     /// The integral of each component, where it is known.
     pub(crate) integral: Option<Vec<f64>>,
+    /// On the line, what is smooth lies between these.
+    cuts: Vec<f64>,
     inner: Box<dyn Erased>,
 }
 
@@ -34,11 +37,30 @@ trait Erased: Send + Sync {
     fn run(&self, plan: &Plan, target: Target, seed: u64) -> Outcome;
     fn integrate(&self, planner: &Planner, seed: u64) -> (Outcome, String);
     fn adapt(&self, adaptive: &Adaptive, seed: u64) -> Outcome;
+    /// By quadrature between the cuts: ∫ f²/p_k, for each technique, of one component on the line.
+    fn squares(&self, cuts: &[f64]) -> Option<Vec<f64>>;
+    fn integral_over(&self, cuts: &[f64], of: &dyn Fn(f64, &[f64]) -> f64) -> Option<f64>;
 }
 
 impl Problem {
     pub(crate) fn pilot(&self, planner: &Planner, seed: u64) -> Pilot {
         self.inner.pilot(planner, seed)
+    }
+
+    pub(crate) fn between(self, cuts: &[f64]) -> Self {
+        Self { cuts: cuts.to_vec(), ..self }
+    }
+
+    /// The exact variance of a sample of each technique alone; infinite ones are large.
+    pub(crate) fn variances(&self) -> Option<Vec<f64>> {
+        let mu = self.integral.as_ref()?.first()?;
+        let squares = self.inner.squares(&self.cuts)?;
+        Some(squares.into_iter().map(|square| square - mu * mu).collect())
+    }
+
+    /// ∫ g(f, p) between the cuts, by quadrature.
+    pub(crate) fn integral_over(&self, g: &dyn Fn(f64, &[f64]) -> f64) -> Option<f64> {
+        self.inner.integral_over(&self.cuts, g)
     }
 
     /// A run of a plan on one thread.
@@ -125,6 +147,40 @@ impl<P: Debug + 'static, V: Components + 'static> Erased for Case<P, V> {
             intervals: V::list(interval),
         }
     }
+
+    fn squares(&self, cuts: &[f64]) -> Option<Vec<f64>> {
+        let one = |k: usize| {
+            self.integral_over(cuts, &|f, ln| {
+                if f == 0.0 { 0.0 } else { (2.0 * f.abs().ln() - ln[k]).exp() }
+            })
+        };
+        (0..self.techniques.len()).map(one).collect()
+    }
+
+    fn integral_over(&self, cuts: &[f64], g: &dyn Fn(f64, &[f64]) -> f64) -> Option<f64> {
+        let this: &dyn Any = self;
+        let case = this.downcast_ref::<Case<f64, f64>>()?;
+        if cuts.len() < 2 {
+            return None;
+        }
+        let at = |(x, width): (f64, f64)| {
+            let ln: Vec<f64> = case.techniques.iter().map(|t| t.ln_pdf(&x)).collect();
+            width * g((case.f)(&x), &ln)
+        };
+        Some(cuts.windows(2).flat_map(|ends| nodes(ends[0], ends[1])).map(at).sum())
+    }
+}
+
+/// Nodes and weights of the double-exponential rule on \[a, b\].
+fn nodes(a: f64, b: f64) -> impl Iterator<Item = (f64, f64)> {
+    const STEP: f64 = 1.0 / 64.0;
+    (-230..=230).map(move |k| {
+        let t = STEP * f64::from(k);
+        let q = (-PI * t.sinh().abs()).exp();
+        let distance = (b - a) * q / (1.0 + q);
+        let x = if t < 0.0 { a + distance } else { b - distance };
+        (x, STEP * (b - a) * PI * t.cosh() * q / ((1.0 + q) * (1.0 + q)))
+    })
 }
 
 fn outcome<V: Components>(report: &Report<V>) -> Outcome {
@@ -162,7 +218,7 @@ fn problem<P: Debug + 'static, V: Components + 'static>(
 ) -> Problem {
     let count = techniques.len();
     let inner = Box::new(Case { techniques, f: Box::new(f) });
-    Problem { name, techniques: count, integral, inner }
+    Problem { name, techniques: count, integral, cuts: Vec::new(), inner }
 }
 
 pub(crate) fn one<P>(
@@ -289,6 +345,33 @@ fn linear(a: f64, b: f64) -> &'static dyn Technique<Point = f64> {
     one(Linear::new(0.0, 1.0, a, b).unwrap())
 }
 
+/// Where what is smooth begins and ends.
+const CUTS: &[(&str, &[f64])] = &[
+    ("sin·cos", &[0.0, FRAC_PI_2]),
+    ("sin·cos and uniform", &[0.0, FRAC_PI_2]),
+    ("family A", &[0.01, FRAC_PI_2]),
+    ("family D", &DOMAIN_D),
+    ("family E", &DOMAIN_D),
+    ("normal, too narrow and wide", &[-30.0, 0.0, 30.0]),
+    ("two peaks, wide", &[-5.0, 0.0, 0.5, 1.0, 5.0]),
+    ("three peaks, narrow", &[-25.0, 0.0, 3.0, 5.0, 25.0]),
+    ("four peaks, wide", &[-10.0, 0.0, 0.5, 1.0, 1.2, 2.0, 3.0, 15.0]),
+    ("indicator", &[0.0, 0.3]),
+    ("rare indicator", &[0.0, 0.02]),
+    ("defensive mixture", &[-20.0, 0.0, 0.3, 20.0]),
+    ("eight", &[0.0, 0.5, 1.0]),
+    ("sixteen", &[0.0, 0.5, 1.0]),
+    ("changes sign", &[0.0, 0.5, 1.0]),
+    ("nearly nothing", &[0.0, 1.0]),
+    ("nearly duplicate", &[0.0, 1.0]),
+    ("duplicates", &[0.0, 1.0]),
+    ("e^(-5x)/(1+x)", &[0.0, 2.0]),
+    ("-ln x", &[0.0, 1.0]),
+    ("Cauchy tails", &[-1e3, -5.0, 0.0, 5.0, 1e3]),
+    ("in the span", &[0.0, 1.0]),
+    ("one technique", &[0.0, 1.0]),
+];
+
 /// All of them.
 pub(crate) fn problems() -> Vec<Problem> {
     let sin_cos = |x: f64| x.sin() * x.cos();
@@ -407,6 +490,13 @@ pub(crate) fn problems() -> Vec<Problem> {
         ),
         on_unit("one technique", vec![linear(1.0, 2.0)], E - 1.0, f64::exp),
     ];
+    let all: Vec<Problem> = all
+        .into_iter()
+        .map(|p| match CUTS.iter().find(|(name, _)| *name == p.name) {
+            Some((_, cuts)) => p.between(cuts),
+            None => p,
+        })
+        .collect();
     #[cfg(feature = "lighting")]
     let all = all.into_iter().chain(crate::lit::problems()).collect();
     all
