@@ -185,12 +185,11 @@ impl Pilot {
         let cost: f64 = shares.iter().zip(of).map(|(share, cost)| share * cost).sum();
         let efficiency = (forecast.total(&self.scales) * cost).recip();
         let signal = self.scales.iter().any(|scale| *scale > 0.0);
-        let uncertain = forecast.uncertainty.iter().any(|u| !(*u <= UNCERTAIN));
         let caution = match forecast.uncovered {
             _ if !signal => Some(Caution::NoSignal),
             Some(technique) => Some(Caution::Biased { technique }),
-            None if forecast.is_heavy() => Some(Caution::HeavyTail),
-            None if uncertain => Some(Caution::Uncertain),
+            None if forecast.is_heavy(&self.scales) => Some(Caution::HeavyTail),
+            None if !forecast.is_certain(UNCERTAIN, &self.scales) => Some(Caution::Uncertain),
             None => None,
         };
         let Forecast { variance, uncertainty, .. } = forecast;

@@ -38,8 +38,11 @@ impl Forecast {
     }
 
     /// Whether few samples make up a variance, so that it may be far larger than it looks.
-    pub(super) fn is_heavy(&self) -> bool {
-        self.terms.iter().any(|terms| {
+    pub(super) fn is_heavy(&self, scales: &[f64]) -> bool {
+        self.terms.iter().enumerate().any(|(c, terms)| {
+            if self.is_exact(c, scales) {
+                return false;
+            }
             let mut positive: Vec<f64> = terms.iter().copied().filter(|t| *t > 0.0).collect();
             let n = positive.len();
             // More than it ever looks at.
@@ -49,6 +52,17 @@ impl Forecast {
             }
             k_hat(&positive[tail..], n as u64).is_some_and(|k| k >= HEAVY)
         })
+    }
+
+    /// Whether the variance of a component is known to less than the part `least` of it.
+    pub(super) fn is_certain(&self, least: f64, scales: &[f64]) -> bool {
+        let mut all = self.uncertainty.iter().enumerate();
+        all.all(|(c, uncertainty)| *uncertainty <= least || self.is_exact(c, scales))
+    }
+
+    /// Whether nothing but rounding is left of a variance.
+    fn is_exact(&self, c: usize, scales: &[f64]) -> bool {
+        self.variance[c] * scales[c] <= ROUNDING
     }
 }
 

@@ -2,8 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod adaptive;
+mod allocation;
 #[cfg(feature = "lighting")]
 mod lit;
 mod measure;
 mod predictions;
 mod problems;
+#[path = "../common/quadrature.rs"]
+mod quadrature;
+mod value;

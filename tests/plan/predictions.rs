@@ -11,6 +11,8 @@ fn explore() {
     let seeds: u64 = std::env::var("SEEDS").map_or(4, |s| s.parse().unwrap());
     let samples: u64 = std::env::var("SAMPLES").map_or(1 << 17, |s| s.parse().unwrap());
     let only = std::env::var("ONLY").unwrap_or_default();
+    let kind =
+        crate::problems::KINDS[std::env::var("KIND").map_or(0, |s| s.parse::<usize>().unwrap())];
     let (mut rows, mut flagged, mut off) = (0, 0, 0);
     let mut problems = problems();
     problems.retain(|p| p.name.contains(&only));
@@ -18,7 +20,7 @@ fn explore() {
         let known = Known::default();
         let planner = Planner::new().samples(4096).unwrap();
         let all = parallel(seeds as usize, |seed| {
-            measure(problem, &planner, Kind::Equal, seed as u64, samples, &known)
+            measure(problem, &planner, kind, seed as u64, samples, &known)
         });
         let (mut r, mut fl, mut of, mut recommended, mut bad) = (0, 0, 0, Vec::new(), 0);
         for m in &all {
