@@ -6,7 +6,8 @@ use super::allocation;
 use super::cost::Costs;
 use super::data::Data;
 use super::method::Method;
-use super::pilot::forecasted;
+use super::newton::newton;
+use super::pilot::look;
 use super::predict::controls;
 use crate::error::ArgumentError;
 use crate::estimate::Estimate;
@@ -237,16 +238,19 @@ impl Adaptive {
             Some((controls, _)) => Method::Optimal(controls),
             None => Method::Balance,
         };
-        let adapted = allocation::optimise(shares, self.floor, 40, |shares| {
-            let (_, forecast) = forecasted(&data, &method, shares, &scales).ok()?;
+        let adapted = newton(shares, self.floor, |shares| {
             let costs = match &self.costs {
                 Some(costs) => costs.of(&method, shares, costs.combining),
                 None => vec![1.0; k],
             };
-            Some((forecast.total(&scales), forecast.gradient?, costs))
+            look(&data, &method, shares, &scales, costs)
         })
         .shares;
-        let counts = allocation::counts(&adapted, next);
+        let mut counts = allocation::counts(&adapted, next);
+        allocation::raise(
+            &mut counts,
+            if replicates(points) > 1 { 2 * replicates(points) as u64 } else { 1 },
+        );
         // Those that fit the shares as they are drawn.
         let drawn: Vec<f64> = counts.iter().map(|n| *n as f64 / next as f64).collect();
         let controls = fitted(&drawn).map(|(controls, _)| controls);

@@ -50,6 +50,7 @@ mod cost;
 mod data;
 mod display;
 mod method;
+mod newton;
 mod pilot;
 mod planner;
 mod predict;

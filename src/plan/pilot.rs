@@ -5,6 +5,7 @@ use super::combining::cost_of;
 use super::cost::Costs;
 use super::data::Data;
 use super::method::Method;
+use super::newton::{Look, newton};
 use super::predict::{Forecast, controls, forecast};
 use super::prediction::{Caution, Prediction};
 use super::{Plan, counted, counts};
@@ -17,6 +18,12 @@ const UNCERTAIN: f64 = 0.07;
 
 /// What an optimisation of the shares may look at: densities, times what the method takes for each.
 const OPERATIONS: usize = 1 << 16;
+
+/// Up to so many techniques, shares are optimised for each weighting.
+const FEW: usize = 4;
+
+/// Evaluations of such an optimisation, at most.
+const STEPS: usize = 12;
 
 /// The densities that a method which weighs each technique's samples on its own looks at, times K.
 const ROOM: usize = 1 << 21;
@@ -72,6 +79,11 @@ impl Pilot {
             return Err(ArgumentError::new(OWNER, "shares", shares, rule));
         }
         let shares: Vec<f64> = shares.iter().map(|share| share / sum).collect();
+        method.check(self.data.techniques)?;
+        if matches!(method, Method::Single(i) if !(shares[*i] == 1.0)) {
+            let rule = "only the technique alone may have a share";
+            return Err(ArgumentError::new(OWNER, "shares", shares, rule));
+        }
         method.weighting()?.check(&shares)?;
         self.prediction(method, shares, false)
     }
@@ -84,28 +96,50 @@ impl Pilot {
     pub fn allocate(&self, method: &Method) -> Result<Allocation, ArgumentError> {
         let k = self.data.techniques;
         let equal = vec![1.0 / k as f64; k];
+        method.check(k)?;
         method.weighting()?.check(&equal)?;
-        let (each, most) = match method {
-            Method::Balance | Method::OneSample | Method::Single(_) => (1, 60),
-            Method::Optimal(_) | Method::Constant(_) => (k, 40),
-            // Each evaluation takes longer, and a slope takes K + 1 of them.
-            _ => (8 * k, 12),
-        };
-        let data = self.data.thinned(OPERATIONS / each);
+        if let Method::Single(i) = method {
+            return Ok(Allocation { shares: alone(*i, k), objective: Vec::new() });
+        }
+        if method.keeps_contributions() {
+            let data = self.data.thinned(OPERATIONS);
+            let own = self.newton(&data, method, &equal, &self.costs);
+            // With unequal costs, there may be two minima: here is the other.
+            let sampling = &self.costs.sampling;
+            let uneven =
+                sampling.iter().any(|cost| *cost > 2.0 * sampling[0] || *cost < 0.5 * sampling[0]);
+            if !uneven {
+                return Ok(own);
+            }
+            let free = Costs { sampling: vec![1.0; k], pdf: vec![1.0; k], ..self.costs.clone() };
+            let start = self.newton(&data, method, &equal, &free).shares;
+            let other = self.newton(&data, method, &start, &self.costs);
+            let last = |a: &Allocation| a.objective.last().copied().unwrap_or(f64::INFINITY);
+            return Ok(if last(&other) < last(&own) { other } else { own });
+        }
+        if k > FEW {
+            // Each step would take K² looks: the shares that are best for the balance heuristic.
+            let shares = self.allocate(&Method::Balance)?.shares;
+            return Ok(Allocation { shares, objective: Vec::new() });
+        }
+        // Each evaluation takes longer, and a slope takes K + 1 of them.
+        let data = self.data.thinned(OPERATIONS / (4 * k));
         let total = |shares: &[f64]| -> Option<f64> {
-            let (_, forecast) = forecasted(&data, method, shares, &self.scales).ok()?;
+            let (_, forecast) = forecasted(&data, method, shares, &self.scales, false).ok()?;
             Some(forecast.total(&self.scales))
         };
-        Ok(allocation::optimise(&equal, self.floor, most, |shares| {
-            let (_, forecast) = forecasted(&data, method, shares, &self.scales).ok()?;
+        Ok(allocation::optimise(&equal, self.floor, STEPS, |shares| {
+            let v = total(shares)?;
             let costs = self.costs.of(method, shares, self.combining(method));
-            let v = forecast.total(&self.scales);
-            let gradient = match forecast.gradient {
-                Some(gradient) => gradient,
-                None => slope(shares, v, total)?,
-            };
-            Some((v, gradient, costs))
+            Some((v, slope(shares, v, total)?, costs))
         }))
+    }
+
+    fn newton(&self, data: &Data, method: &Method, start: &[f64], costs: &Costs) -> Allocation {
+        newton(start, self.floor, |shares| {
+            let costs = costs.of(method, shares, self.combining(method));
+            look(data, method, shares, &self.scales, costs)
+        })
     }
 
     /// The best plan, and what all others would come to.
@@ -137,9 +171,8 @@ impl Pilot {
     /// Of all methods, with equal and with optimised shares.
     fn predictions(&self) -> Result<Vec<Prediction>, ArgumentError> {
         let k = self.data.techniques;
-        let alone = |i: usize| (0..k).map(|k| f64::from(u8::from(k == i))).collect::<Vec<_>>();
         let singles = (0..k)
-            .map(|i| self.prediction(&Method::Single(i), alone(i), false))
+            .map(|i| self.prediction(&Method::Single(i), alone(i, k), false))
             .collect::<Result<Vec<_>, _>>()?;
         if k == 1 {
             return Ok(singles);
@@ -180,7 +213,7 @@ impl Pilot {
         )
         .then(|| self.data.thinned(most));
         let data = thinned.as_ref().unwrap_or(&self.data);
-        let (method, forecast) = forecasted(data, method, &shares, &self.scales)?;
+        let (method, forecast) = forecasted(data, method, &shares, &self.scales, false)?;
         let of = self.costs.of(&method, &shares, self.combining(&method));
         let cost: f64 = shares.iter().zip(of).map(|(share, cost)| share * cost).sum();
         let efficiency = (forecast.total(&self.scales) * cost).recip();
@@ -239,6 +272,24 @@ impl Pilot {
     }
 }
 
+/// All samples of one technique.
+fn alone(i: usize, techniques: usize) -> Vec<f64> {
+    (0..techniques).map(|k| f64::from(u8::from(k == i))).collect()
+}
+
+/// What an optimisation of the shares looks at.
+pub(super) fn look(
+    data: &Data,
+    method: &Method,
+    shares: &[f64],
+    scales: &[f64],
+    costs: Vec<f64>,
+) -> Option<Look> {
+    let (_, forecast) = forecasted(data, method, shares, scales, true).ok()?;
+    let variance = forecast.total(scales);
+    Some(Look { variance, slope: forecast.gradient?, curvature: forecast.curvature?, costs })
+}
+
 /// By what a prediction is preferred: its efficiency, as far as it is known.
 fn worth(prediction: &Prediction) -> f64 {
     let uncertainty = prediction.uncertainty.iter().copied().fold(0.0, f64::max);
@@ -259,15 +310,16 @@ pub(super) fn forecasted(
     method: &Method,
     shares: &[f64],
     scales: &[f64],
+    bends: bool,
 ) -> Result<(Method, Forecast), ArgumentError> {
     if !matches!(method, Method::Optimal(_)) {
-        return Ok((method.clone(), forecast(data, method, shares, scales)?));
+        return Ok((method.clone(), forecast(data, method, shares, scales, bends)?));
     }
     let Some((controls, rank)) = controls(data, shares) else {
-        return Ok((method.clone(), forecast(data, method, shares, scales)?));
+        return Ok((method.clone(), forecast(data, method, shares, scales, bends)?));
     };
     let method = Method::Optimal(controls);
-    let mut forecast = forecast(data, &method, shares, scales)?;
+    let mut forecast = forecast(data, &method, shares, scales, bends)?;
     // Residuals of a fit are smaller than those of other samples.
     let (n, rank) = (data.samples as f64, rank as f64);
     forecast.variance.iter_mut().for_each(|v| *v *= (n + rank) / (n - rank));

@@ -1,5 +1,7 @@
 //! The variance of every estimator, from one pilot's samples.
 
+use nalgebra::DMatrix;
+
 use super::data::Data;
 use super::method::Method;
 use crate::error::ArgumentError;
@@ -17,6 +19,8 @@ pub(super) struct Forecast {
     /// How the variance falls as a technique gets more samples, -∂V/∂α_k, all components together;
     /// `None` where the weights change with the shares.
     pub(super) gradient: Option<Vec<f64>>,
+    /// How that changes, ∂²V/∂α_k ∂α_l; if it was asked for.
+    pub(super) curvature: Option<DMatrix<f64>>,
     /// Whose means the variances are.
     terms: Vec<Vec<f64>>,
     /// A technique that is relied on where it does not reach.
@@ -77,6 +81,7 @@ pub(super) fn forecast(
     method: &Method,
     shares: &[f64],
     scales: &[f64],
+    bends: bool,
 ) -> Result<Forecast, ArgumentError> {
     let weighting = method.weighting()?;
     let n = data.samples;
@@ -85,10 +90,12 @@ pub(super) fn forecast(
         variance: Vec::new(),
         uncertainty: Vec::new(),
         gradient: None,
+        curvature: None,
         terms: Vec::new(),
         uncovered: None,
     };
     let mut gradient = vec![0.0; data.techniques];
+    let mut curvature = DMatrix::zeros(data.techniques, data.techniques);
     for (c, scale) in scales.iter().enumerate().take(data.components()) {
         let mut terms = vec![0.0; n];
         match method {
@@ -105,18 +112,23 @@ pub(super) fn forecast(
                     *g = 0.0;
                 }
                 shared(data, method, shares, &g, &s, &mut terms, &mut gradient, *scale);
+                if bends {
+                    bend(data, method, shares, &g, &s, *scale, &mut curvature);
+                }
             }
             _ => {
                 for i in (0..data.techniques).filter(|i| shares[*i] > 0.0) {
                     let g = own(data, &*weighting, i, shares, c);
                     let mean = data.expected(i, |j| g[j]);
                     let alpha = shares[i];
-                    for ((t, g), d) in terms.iter_mut().zip(&g).zip(data.d(i)) {
-                        if *d > 0.0 {
-                            *t += alpha * d * (g - mean).powi(2);
-                        }
-                    }
-                    gradient[i] += scale * data.expected(i, |j| (g[j] - mean).powi(2));
+                    let own = |(g, d): (&f64, &f64)| {
+                        if *d > 0.0 { d * (g - mean).powi(2) } else { 0.0 }
+                    };
+                    let own: Vec<f64> = g.iter().zip(data.d(i)).map(own).collect();
+                    terms.iter_mut().zip(&own).for_each(|(t, own)| *t += alpha * own);
+                    let slope = scale * data.mean(&own).0;
+                    gradient[i] += slope;
+                    curvature[(i, i)] += 2.0 * slope / alpha;
                     if matches!(method, Method::Constant(weights) if weights[i] > 0.0) {
                         let misses = |(d, y): (&f64, &f64)| *d == 0.0 && *y != 0.0;
                         let uncovered = data.d(i).iter().zip(data.y(c)).any(misses);
@@ -133,6 +145,7 @@ pub(super) fn forecast(
     }
     let fixed = matches!(method, Method::Constant(_)) || shares_one_contribution(method);
     result.gradient = fixed.then_some(gradient);
+    result.curvature = (fixed && bends).then_some(curvature);
     Ok(result)
 }
 
@@ -188,6 +201,63 @@ fn shared(
         let products = data.expected(k, |j| (g[j] - mu) * (g[j] - mu - 2.0 * u[j]));
         let shift = 2.0 * mu * (b - data.expected(k, |j| u[j]));
         *gradient += scale * (products + b * b + shift);
+    }
+}
+
+/// The curvature of the variance, where samples of all techniques contribute the same g.
+///
+/// With r_k = p_k / p_α, that of ∫ f²/p_α is 2 ∫ g² r_k r_l p_α; for one-sample, that of μ² / Σ α_k is
+/// to be subtracted. For the balance heuristic V is the least Σ α_i E_i\[(g - b_i)²\] over the b_i, which
+/// makes it 2 ∫ g (g + b_k + b_l - 2u) r_k r_l p_α - 2 Σ α_i G_ik G_il, with G_ik = ∫ g r_i r_k p_α. For
+/// optimal MIS, the coefficients are taken as fixed: more than there is, so that steps are too short
+/// rather than too long.
+fn bend(
+    data: &Data,
+    method: &Method,
+    shares: &[f64],
+    g: &[f64],
+    s: &[f64],
+    scale: f64,
+    curvature: &mut DMatrix<f64>,
+) {
+    let k = data.techniques;
+    let means: Vec<f64> = (0..k).map(|k| data.expected(k, |j| g[j])).collect();
+    let mu: f64 = means.iter().zip(shares).map(|(m, alpha)| m * alpha).sum();
+    let balance = *method == Method::Balance;
+    let (mut squares, mut products) = (DMatrix::<f64>::zeros(k, k), DMatrix::<f64>::zeros(k, k));
+    let mut r = vec![0.0; k];
+    let n = data.samples as f64;
+    for (j, (g, s)) in g.iter().zip(s).enumerate().filter(|(_, (_, s))| **s > 0.0) {
+        let mut u = 0.0;
+        for (i, r) in r.iter_mut().enumerate() {
+            *r = data.d(i)[j] / s;
+            u += shares[i] * *r * means[i];
+        }
+        let (g, weight) =
+            if let Method::Optimal(_) = method { (g - mu, s / n) } else { (*g, s / n) };
+        let square = if balance { g * (g - 2.0 * u) } else { g * g };
+        for a in (0..k).filter(|a| r[*a] > 0.0) {
+            let (square, product) = (weight * r[a] * square, weight * r[a] * g);
+            for b in 0..=a {
+                squares[(a, b)] += square * r[b];
+                products[(a, b)] += product * r[b];
+            }
+        }
+    }
+    let of = |m: &DMatrix<f64>, a: usize, b: usize| m[(a.max(b), a.min(b))];
+    for a in 0..k {
+        for b in 0..k {
+            let mut own = of(&squares, a, b);
+            if balance {
+                own += (means[a] + means[b]) * of(&products, a, b);
+                own -= (0..k)
+                    .map(|i| shares[i] * of(&products, i, a) * of(&products, i, b))
+                    .sum::<f64>();
+            } else if *method == Method::OneSample {
+                own -= mu * mu;
+            }
+            curvature[(a, b)] += 2.0 * scale * own;
+        }
     }
 }
 

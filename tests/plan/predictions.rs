@@ -3,7 +3,7 @@
 use mis::plan::{Caution, Planner};
 
 use crate::measure::{Known, measure, parallel};
-use crate::problems::{Kind, problems};
+use crate::problems::problems;
 
 #[test]
 #[ignore = "minutes in release"]
