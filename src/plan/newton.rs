@@ -19,7 +19,7 @@ pub(super) struct Look {
 const ROUNDS: usize = 10;
 
 /// A round that promises less than this part is not begun.
-const NOTHING: f64 = 1e-4;
+const NOTHING: f64 = 1e-7;
 
 /// A step is halved so often at most.
 const HALVINGS: i32 = 12;

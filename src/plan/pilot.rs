@@ -17,7 +17,7 @@ use crate::weighting::VarianceAware;
 const UNCERTAIN: f64 = 0.07;
 
 /// What an optimisation of the shares may look at: densities, times what the method takes for each.
-const OPERATIONS: usize = 1 << 16;
+const OPERATIONS: usize = 1 << 15;
 
 /// Up to so many techniques, shares are optimised for each weighting.
 const FEW: usize = 4;
@@ -26,7 +26,7 @@ const FEW: usize = 4;
 const STEPS: usize = 12;
 
 /// The densities that a method which weighs each technique's samples on its own looks at, times K.
-const ROOM: usize = 1 << 21;
+const ROOM: usize = 1 << 19;
 
 /// A few samples of every technique, with their pdfs and what they cost.
 #[derive(Debug, Clone)]
@@ -104,18 +104,20 @@ impl Pilot {
         if method.keeps_contributions() {
             let data = self.data.thinned(OPERATIONS);
             let own = self.newton(&data, method, &equal, &self.costs);
-            // With unequal costs, there may be two minima: here is the other.
-            let sampling = &self.costs.sampling;
-            let uneven =
-                sampling.iter().any(|cost| *cost > 2.0 * sampling[0] || *cost < 0.5 * sampling[0]);
-            if !uneven {
+            // With unequal costs, there may be several minima: others are found from the best shares
+            // without costs, and from shares in proportion to 1 / c_k.
+            let each = self.costs.of(method, &equal, self.combining(method));
+            let inverse: f64 = each.iter().map(|cost| cost.recip()).sum();
+            let cheap: Vec<f64> = each.iter().map(|cost| cost.recip() / inverse).collect();
+            if cheap.iter().all(|share| share * k as f64 > 0.7) {
                 return Ok(own);
             }
-            let free = Costs { sampling: vec![1.0; k], pdf: vec![1.0; k], ..self.costs.clone() };
-            let start = self.newton(&data, method, &equal, &free).shares;
-            let other = self.newton(&data, method, &start, &self.costs);
+            let free = Costs { sampling: vec![1.0; k], ..self.costs.clone() };
+            let free = self.newton(&data, method, &equal, &free).shares;
+            let others = [free, cheap].map(|start| self.newton(&data, method, &start, &self.costs));
             let last = |a: &Allocation| a.objective.last().copied().unwrap_or(f64::INFINITY);
-            return Ok(if last(&other) < last(&own) { other } else { own });
+            let better = |a, b| if last(&b) < last(&a) { b } else { a };
+            return Ok(others.into_iter().fold(own, better));
         }
         if k > FEW {
             // Each step would take K² looks: the shares that are best for the balance heuristic.

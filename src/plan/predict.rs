@@ -111,8 +111,9 @@ pub(super) fn forecast(
                     }
                     *g = 0.0;
                 }
-                shared(data, method, shares, &g, &s, &mut terms, &mut gradient, *scale);
+                shared(data, method, shares, &g, &s, &mut terms);
                 if bends {
+                    incline(data, method, shares, &g, &s, *scale, &mut gradient);
                     bend(data, method, shares, &g, &s, *scale, &mut curvature);
                 }
             }
@@ -144,7 +145,7 @@ pub(super) fn forecast(
         result.terms.push(terms);
     }
     let fixed = matches!(method, Method::Constant(_)) || shares_one_contribution(method);
-    result.gradient = fixed.then_some(gradient);
+    result.gradient = (fixed && bends).then_some(gradient);
     result.curvature = (fixed && bends).then_some(curvature);
     Ok(result)
 }
@@ -155,40 +156,51 @@ fn shares_one_contribution(method: &Method) -> bool {
     matches!(method, Balance | Single(_) | OneSample | Optimal(_))
 }
 
-/// The terms of a variance, and its gradient, where samples of all techniques contribute the same g.
-#[expect(clippy::too_many_arguments, reason = "one loop, in its parts")]
-fn shared(
+/// E_k\[g\] for every technique, and μ, the mean under the mixture.
+fn means(data: &Data, shares: &[f64], g: &[f64]) -> (Vec<f64>, f64) {
+    let means: Vec<f64> = (0..data.techniques).map(|k| data.expected(k, |j| g[j])).collect();
+    let mu = means.iter().zip(shares).map(|(mean, alpha)| alpha * mean).sum();
+    (means, mu)
+}
+
+/// The terms of a variance, where samples of all techniques contribute the same g.
+fn shared(data: &Data, method: &Method, shares: &[f64], g: &[f64], s: &[f64], terms: &mut [f64]) {
+    let (means, mu) = means(data, shares, g);
+    if *method == Method::OneSample {
+        for ((t, g), s) in terms.iter_mut().zip(g).zip(s) {
+            *t += s * (g - mu).powi(2);
+        }
+        return;
+    }
+    for k in (0..data.techniques).filter(|k| shares[*k] > 0.0) {
+        for ((t, g), d) in terms.iter_mut().zip(g).zip(data.d(k)) {
+            *t += shares[k] * d * (g - means[k]).powi(2);
+        }
+    }
+}
+
+/// The gradient of such a variance.
+fn incline(
     data: &Data,
     method: &Method,
     shares: &[f64],
     g: &[f64],
     s: &[f64],
-    terms: &mut [f64],
-    gradient: &mut [f64],
     scale: f64,
+    gradient: &mut [f64],
 ) {
-    let active = || (0..data.techniques).filter(|k| shares[*k] > 0.0);
-    let means: Vec<f64> = (0..data.techniques).map(|k| data.expected(k, |j| g[j])).collect();
-    let mu: f64 = active().map(|k| shares[k] * means[k]).sum();
+    let (means, mu) = means(data, shares, g);
     if *method == Method::OneSample {
-        for ((t, g), s) in terms.iter_mut().zip(g).zip(s) {
-            *t += s * (g - mu).powi(2);
-        }
         for (k, gradient) in gradient.iter_mut().enumerate() {
             *gradient += scale * data.expected(k, |j| (g[j] - mu) * (g[j] + mu));
         }
         return;
     }
-    for k in active() {
-        for ((t, g), d) in terms.iter_mut().zip(g).zip(data.d(k)) {
-            *t += shares[k] * d * (g - means[k]).powi(2);
-        }
-    }
     // V = ∫ f²/p_α - Σ α_i b_i² with b_i = E_i[g], and more samples of k change the b_i, too:
     // -∂V/∂α_k = E_k[g² - 2 g u] + b_k², with u = Σ α_i p_i b_i / p_α. About μ, for the digits, with
     // g, u and b less μ, it is E_k[g² - 2 g u] + b_k² + 2 μ (b_k - E_k[u]).
     let mut u = vec![0.0; data.samples];
-    for k in active() {
+    for k in (0..data.techniques).filter(|k| shares[*k] > 0.0) {
         for (u, d) in u.iter_mut().zip(data.d(k)) {
             *u += shares[k] * (means[k] - mu) * d;
         }
@@ -221,8 +233,7 @@ fn bend(
     curvature: &mut DMatrix<f64>,
 ) {
     let k = data.techniques;
-    let means: Vec<f64> = (0..k).map(|k| data.expected(k, |j| g[j])).collect();
-    let mu: f64 = means.iter().zip(shares).map(|(m, alpha)| m * alpha).sum();
+    let (means, mu) = means(data, shares, g);
     let balance = *method == Method::Balance;
     let (mut squares, mut products) = (DMatrix::<f64>::zeros(k, k), DMatrix::<f64>::zeros(k, k));
     let mut r = vec![0.0; k];

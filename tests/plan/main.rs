@@ -4,6 +4,7 @@
 
 mod adaptive;
 mod allocation;
+mod coverage;
 #[cfg(feature = "lighting")]
 mod lit;
 mod measure;

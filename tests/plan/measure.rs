@@ -27,11 +27,18 @@ pub(crate) struct Measured {
 impl Measured {
     /// Whether the row's prediction is within `most` of what is realised, in every component.
     pub(crate) fn is_within(&self, row: &Row, most: f64) -> bool {
+        self.off(row) <= most
+    }
+
+    /// How far it is off, in the component that is worst.
+    pub(crate) fn off(&self, row: &Row) -> f64 {
         let all = row.prediction.variance.iter().zip(&row.realised).zip(&self.squares);
-        all.into_iter().all(|((p, r), square)| {
+        let one = |((p, r), square): ((&f64, &f64), &f64)| {
             let exact = *p <= EXACT * square && *r <= EXACT * square;
-            exact || (p / r - 1.0).abs() <= most
-        })
+            let off = (p / r - 1.0).abs();
+            if exact || off.is_nan() { if exact { 0.0 } else { f64::INFINITY } } else { off }
+        };
+        all.into_iter().map(one).fold(0.0, f64::max)
     }
 
     /// The first row's efficiency over that of the best row whose variance is known.
@@ -103,7 +110,16 @@ pub(crate) fn measure(
                     (vec![f64::NAN; prediction.variance.len()], f64::NAN)
                 } else {
                     let exactly = exact.as_ref().and_then(|v| by_quadrature(&prediction, v));
-                    exactly.unwrap_or_else(|| realised(problem, &plan, samples))
+                    exactly.unwrap_or_else(|| {
+                        let mut found = realised(problem, &plan, samples);
+                        for more in [8, 64] {
+                            // Where it matters that the noise is small.
+                            if found.1 > 0.05 && prediction.caution.is_none() {
+                                found = realised(problem, &plan, more * samples);
+                            }
+                        }
+                        found
+                    })
                 };
                 if !prediction.optimised {
                     let key = (prediction.method.clone(), prediction.shares.clone());

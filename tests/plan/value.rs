@@ -124,7 +124,7 @@ fn mutilated_plans() {
     refused("weights", |plan| plan.method = Method::Constant(vec![1.0]));
     refused("weights", |plan| plan.method = Method::Constant(Vec::new()));
     refused("beta", |plan| plan.method = Method::Power(f64::NAN));
-    refused("alpha", |plan| plan.method = Method::Cutoff(2.0));
+    refused("Cutoff", |plan| plan.method = Method::Cutoff(2.0));
     refused("factors", |plan| plan.method = Method::VarianceAware(vec![1.0]));
     refused("factors", |plan| plan.method = Method::VarianceAware(vec![f64::NAN, 1.0]));
     refused("coefficients", |plan| {
