@@ -19,13 +19,17 @@ mod measure;
 #[allow(dead_code)]
 #[path = "../tests/plan/problems.rs"]
 mod problems;
+#[allow(dead_code)]
+#[path = "../tests/plan/suite.rs"]
+mod suite;
 
 use std::fmt::Write;
 
 use coverage::{HOWS, How, cover, covered};
 use measure::{Known, measure, parallel};
 use mis::plan::Planner;
-use problems::{KINDS, Problem, problems};
+use problems::{KINDS, Problem};
+use suite::problems;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -113,7 +117,7 @@ struct Sums {
 fn row(problem: &Problem, pilots: usize, samples: u64, sums: &mut Sums) -> String {
     let known = Known::default();
     let (mut rows, mut flagged, mut within, mut worst) = (0, 0, 0, 0.0_f64);
-    let (mut least, mut sum, mut plans) = (f64::INFINITY, 0.0, 0);
+    let (mut least, mut sum, mut plans) = (f64::INFINITY, 0.0, 0_u32);
     for kind in KINDS {
         let planner = Planner::new().samples(4096).unwrap();
         let all =
@@ -138,7 +142,7 @@ fn row(problem: &Problem, pilots: usize, samples: u64, sums: &mut Sums) -> Strin
     sums.rows += rows;
     sums.flagged += flagged;
     sums.within += within;
-    sums.plans += plans;
+    sums.plans += plans as usize;
     let sound = rows - flagged;
     let share = |part: usize, of: usize| {
         if of == 0 { "–".into() } else { format!("{:.3}", part as f64 / of as f64) }
@@ -147,7 +151,7 @@ fn row(problem: &Problem, pilots: usize, samples: u64, sums: &mut Sums) -> Strin
     let recommended = if plans == 0 {
         "– | –".into()
     } else {
-        format!("{least:.2} | {:.3}", sum / f64::from(plans as u32))
+        format!("{least:.2} | {:.3}", sum / f64::from(plans))
     };
     let (name, k) = (problem.name, problem.techniques);
     let (flags, within) = (share(flagged, rows), share(within, sound));

@@ -51,6 +51,9 @@ pub struct Adaptive {
     on_fault: OnFault,
 }
 
+/// The counts of a round, and its controls.
+type Lesson = (Vec<u64>, Option<Controls>);
+
 /// Samples of a round that the next one learns from, at most.
 const LESSON: u64 = 1 << 14;
 
@@ -207,7 +210,7 @@ impl Adaptive {
         points: &S,
         samples: u64,
         next: u64,
-    ) -> Result<(Vec<u64>, Option<Controls>), RunError<F::Value>>
+    ) -> Result<Lesson, RunError<F::Value>>
     where
         P: Debug,
         F: Integrand<P> + ?Sized,

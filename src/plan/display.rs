@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display};
 
+use super::Method::{Balance, Single};
 use super::prediction::{Caution, Prediction};
 use super::{Integral, Plan};
 use crate::integrand::Value;
@@ -79,7 +80,6 @@ impl Plan {
             let times = if times < 1e4 { format!("{times:.2}") } else { format!("{times:.1e}") };
             writeln!(f, "  {times} times the efficiency of {name}")
         };
-        use super::Method::{Balance, Single};
         let find = |is: &dyn Fn(&&Prediction) -> bool| self.predictions.iter().find(is);
         let single = find(&|p| matches!(p.method, Single(_)));
         if let Some(Single(i)) = single.map(|p| &p.method) {

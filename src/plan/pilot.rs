@@ -335,7 +335,9 @@ fn slope(shares: &[f64], v: f64, total: impl Fn(&[f64]) -> Option<f64>) -> Optio
         let mut more = shares.to_vec();
         more[k] *= 1.0 + STEP;
         let sum: f64 = more.iter().sum();
-        more.iter_mut().for_each(|share| *share /= sum);
+        for share in &mut more {
+            *share /= sum;
+        }
         // V of shares that do not sum to 1 is less by their sum.
         Some((v - total(&more)? / sum) / (STEP * shares[k]))
     };

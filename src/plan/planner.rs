@@ -167,19 +167,18 @@ impl Planner {
         self.on_fault.check(counts.faults(), counts.samples)?;
 
         let data = Data::new(&kept, k, F::Value::COMPONENTS);
-        let (costs, combining) = match &self.costs {
-            Some(costs) => (costs.clone(), Vec::new()),
-            None => {
-                let combining = combining::<P, F::Value>(techniques)?;
-                let balance = cost_of(&combining, &Method::Balance).unwrap_or(1e-12);
-                let costs = Costs {
-                    sampling: timed.iter().map(|t| t.sampling.per_sample()).collect(),
-                    pdf: timed.iter().map(|t| t.pdf.per_sample()).collect(),
-                    integrand: integrand.clock.per_sample(),
-                    combining: balance,
-                };
-                (costs, combining)
-            }
+        let (costs, combining) = if let Some(costs) = &self.costs {
+            (costs.clone(), Vec::new())
+        } else {
+            let combining = combining::<P, F::Value>(techniques)?;
+            let balance = cost_of(&combining, &Method::Balance).unwrap_or(1e-12);
+            let costs = Costs {
+                sampling: timed.iter().map(|t| t.sampling.per_sample()).collect(),
+                pdf: timed.iter().map(|t| t.pdf.per_sample()).collect(),
+                integrand: integrand.clock.per_sample(),
+                combining: balance,
+            };
+            (costs, combining)
         };
         let scale = |c: usize| {
             let squares: Vec<f64> = data.y(c).iter().map(|y| y * y).collect();

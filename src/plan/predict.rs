@@ -120,7 +120,7 @@ pub(super) fn forecast(
             _ => {
                 for i in (0..data.techniques).filter(|i| shares[*i] > 0.0) {
                     let g = own(data, &*weighting, i, shares, c);
-                    let mean = data.expected(i, |j| g[j]);
+                    let mean = data.expected(i, &g);
                     let alpha = shares[i];
                     let own = |(g, d): (&f64, &f64)| {
                         if *d > 0.0 { d * (g - mean).powi(2) } else { 0.0 }
@@ -156,16 +156,19 @@ fn shares_one_contribution(method: &Method) -> bool {
     matches!(method, Balance | Single(_) | OneSample | Optimal(_))
 }
 
-/// E_k\[g\] for every technique, and μ, the mean under the mixture.
-fn means(data: &Data, shares: &[f64], g: &[f64]) -> (Vec<f64>, f64) {
-    let means: Vec<f64> = (0..data.techniques).map(|k| data.expected(k, |j| g[j])).collect();
+/// E_k\[g\] for every technique (0 for those without samples unless it is `of_all`), and μ, the mean under the mixture.
+fn means(data: &Data, shares: &[f64], g: &[f64], of_all: bool) -> (Vec<f64>, f64) {
+    let one = |(k, alpha): (usize, &f64)| {
+        if of_all || *alpha > 0.0 { data.expected(k, g) } else { 0.0 }
+    };
+    let means: Vec<f64> = shares.iter().enumerate().map(one).collect();
     let mu = means.iter().zip(shares).map(|(mean, alpha)| alpha * mean).sum();
     (means, mu)
 }
 
 /// The terms of a variance, where samples of all techniques contribute the same g.
 fn shared(data: &Data, method: &Method, shares: &[f64], g: &[f64], s: &[f64], terms: &mut [f64]) {
-    let (means, mu) = means(data, shares, g);
+    let (means, mu) = means(data, shares, g, false);
     if *method == Method::OneSample {
         for ((t, g), s) in terms.iter_mut().zip(g).zip(s) {
             *t += s * (g - mu).powi(2);
@@ -189,10 +192,11 @@ fn incline(
     scale: f64,
     gradient: &mut [f64],
 ) {
-    let (means, mu) = means(data, shares, g);
+    let (means, mu) = means(data, shares, g, true);
     if *method == Method::OneSample {
+        let squares: Vec<f64> = g.iter().map(|g| (g - mu) * (g + mu)).collect();
         for (k, gradient) in gradient.iter_mut().enumerate() {
-            *gradient += scale * data.expected(k, |j| (g[j] - mu) * (g[j] + mu));
+            *gradient += scale * data.expected(k, &squares);
         }
         return;
     }
@@ -208,10 +212,12 @@ fn incline(
     for (u, s) in u.iter_mut().zip(s) {
         *u = if *s > 0.0 { *u / s } else { 0.0 };
     }
+    let both = g.iter().zip(&u).map(|(g, u)| (g - mu) * (g - mu - 2.0 * u));
+    let both: Vec<f64> = both.collect();
     for (k, gradient) in gradient.iter_mut().enumerate() {
         let b = means[k] - mu;
-        let products = data.expected(k, |j| (g[j] - mu) * (g[j] - mu - 2.0 * u[j]));
-        let shift = 2.0 * mu * (b - data.expected(k, |j| u[j]));
+        let products = data.expected(k, &both);
+        let shift = 2.0 * mu * (b - data.expected(k, &u));
         *gradient += scale * (products + b * b + shift);
     }
 }
@@ -233,7 +239,7 @@ fn bend(
     curvature: &mut DMatrix<f64>,
 ) {
     let k = data.techniques;
-    let (means, mu) = means(data, shares, g);
+    let (means, mu) = means(data, shares, g, true);
     let balance = *method == Method::Balance;
     let (mut squares, mut products) = (DMatrix::<f64>::zeros(k, k), DMatrix::<f64>::zeros(k, k));
     let mut r = vec![0.0; k];

@@ -6,7 +6,8 @@ use mis::technique::{Linear, Uniform};
 use mis::{OnFault, Technique};
 
 use crate::measure::parallel;
-use crate::problems::{Problem, problems};
+use crate::problems::Problem;
+use crate::suite::problems;
 
 fn problem(name: &str) -> Problem {
     problems().into_iter().find(|p| p.name == name).unwrap()
@@ -160,7 +161,7 @@ fn rounds_add_up() {
         let adaptive = Adaptive::new(samples).unwrap().with_rounds(rounds).unwrap();
         let adapted = adaptive.execute(&f, &techniques(), 1).unwrap();
         assert_eq!(adapted.rounds().len(), expected);
-        let all: u64 = adapted.rounds().iter().flat_map(|round| round.counts()).sum();
+        let all: u64 = adapted.rounds().iter().flat_map(mis::plan::AdaptedRound::counts).sum();
         assert_eq!((all, adapted.estimate().samples()), (samples, samples));
         let sum: f64 = adapted
             .rounds()

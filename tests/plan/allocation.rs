@@ -5,7 +5,8 @@ use mis::plan::{Costs, Method, Pilot, Planner};
 use mis::technique::{Linear, TruncatedNormal, Uniform};
 use mis::weighting::{Balance, Cutoff, Maximum, Power, Weighting, weights};
 
-use crate::problems::{DOMAIN_D, Techniques, f_a, f_d, family_a, family_d, one};
+use crate::problems::{Techniques, one};
+use crate::suite::{DOMAIN_D, f_a, f_d, family_a, family_d};
 use std::f64::consts::FRAC_PI_2;
 
 /// Family A, D or E, on nodes of a rule: the width of a node, f, and the densities.

@@ -5,7 +5,7 @@ use mis::lighting::{
     Bsdf, DVec3, Direction, Light, ModifiedPhong, ReflectedRadiance, Scene, Sphere, Surface,
 };
 
-use crate::problems::{Problem, make, one};
+use crate::problems::{Problem, one, problem};
 
 const EYE: DVec3 = DVec3::new(0.0, 2.0, 15.0);
 
@@ -31,7 +31,7 @@ fn point(
     let bsdf = ModifiedPhong::new(1.0, exponent).unwrap();
     let seen = incident.lights()[0].clone();
     let lobe = bsdf.techniques(&surface).remove(0);
-    make(name, vec![one(seen), Box::leak(lobe)], integral, move |w: &Direction| {
+    problem(name, vec![one(seen), Box::leak(lobe)], Some(vec![integral]), move |w: &Direction| {
         ReflectedRadiance::new(&incident, surface, &bsdf).eval(w)
     })
 }

@@ -12,4 +12,5 @@ mod predictions;
 mod problems;
 #[path = "../common/quadrature.rs"]
 mod quadrature;
+mod suite;
 mod value;

@@ -3,7 +3,8 @@
 use mis::plan::{Method, Planner, Prediction};
 
 use crate::measure::{Known, Measured, measure, parallel};
-use crate::problems::{KINDS, Kind, Problem, problems};
+use crate::problems::{KINDS, Kind, Problem};
+use crate::suite::problems;
 
 /// How much a prediction without a caution may be off.
 const MOST: f64 = 0.2;
@@ -77,7 +78,9 @@ fn predictions_hold_and_the_best_is_recommended_with_many_pilots() {
             let all = parallel(seeds, |seed| {
                 measure(problem, &planner, kind, seed as u64, 1 << 17, &known)
             });
-            all.iter().for_each(|measured| counts.add(problem, measured));
+            for measured in &all {
+                counts.add(problem, measured);
+            }
         }
     }
     counts.check();

@@ -4,7 +4,8 @@ use mis::plan::{Costs, Method, Plan, Planner};
 use mis::technique::{Linear, Uniform};
 use mis::{Controls, Run, Target, Technique, integrate};
 
-use crate::problems::{Kind, problems};
+use crate::problems::Kind;
+use crate::suite::problems;
 
 fn techniques() -> [&'static dyn Technique<Point = f64>; 2] {
     [
