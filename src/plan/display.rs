@@ -16,7 +16,7 @@ impl Display for Plan {
         self.write_reasons(f)?;
         writeln!(
             f,
-            "\n{:<28} {:>11} {:>7} {:>10} {:>10}  {:<10}  shares",
+            "\n{:<38} {:>11} {:>7} {:>10} {:>10}  {:<10}  shares",
             "method", "N·variance", "±", "cost", "efficiency", "caution"
         )?;
         let best = self.predictions.iter().map(|p| p.efficiency).fold(0.0, f64::max);
@@ -35,7 +35,7 @@ impl Display for Plan {
             cautions.extend(p.caution.filter(|c| cautions.iter().all(|k| k.word() != c.word())));
             writeln!(
                 f,
-                "{name:<28} {variance:>11.3e} {uncertainty:>6.1}% {:>10.3e} {relative:>10}  {caution:<10}  {}",
+                "{name:<38} {variance:>11.3e} {uncertainty:>6.1}% {:>10.3e} {relative:>10}  {caution:<10}  {}",
                 p.cost,
                 shares(&p.shares)
             )?;
@@ -52,11 +52,10 @@ impl Display for Plan {
             };
             writeln!(f, "{}: {words}", caution.word())?;
         }
-        writeln!(
-            f,
-            "±: the standard error of the variance, in the pilot; cost: of a sample, in the unit of the \
-             costs (seconds of one core, unless they were declared); efficiency: 1 / (variance · cost), \
-             over the best"
+        f.write_str(
+            "±: standard error of the variance, in the pilot\n\
+             cost: of a sample; in seconds of one core, unless costs were declared\n\
+             efficiency: 1 / (variance · cost), over the best\n",
         )?;
         write!(f, "from {} samples of a pilot", self.pilot_samples)
     }

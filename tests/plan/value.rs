@@ -183,6 +183,32 @@ fn a_target_is_needed() {
     assert!(integrate(&f, &none, Target::new().samples(100).unwrap(), 1).is_err());
 }
 
+/// Columns are aligned, and what is cautioned against is explained.
+#[test]
+fn printed() {
+    let problem = problems().into_iter().find(|p| p.name == "family D").unwrap();
+    let planner = Planner::new().costs(problem.costs(Kind::Ratios)).samples(512).unwrap();
+    let plan = problem.pilot(&planner, 3).plan().unwrap();
+    let text = plan.to_string();
+    let lines: Vec<&str> = text.lines().collect();
+    let head = lines.iter().position(|line| line.starts_with("method")).unwrap();
+    let column = |line: &str, word: &str| {
+        line.find(word).map(|at| line[..at].chars().count()).unwrap_or_else(|| panic!("{line}"))
+    };
+    let shares = column(lines[head], "shares");
+    for (line, row) in lines[head + 1..].iter().zip(&plan.predictions) {
+        assert!(line.starts_with(&row.method.to_string()), "{line}");
+        let first = format!("{:.3}, ", row.shares[0]);
+        let tail: String = line.chars().skip(shares).collect();
+        assert!(tail.starts_with(&first), "{line}");
+        assert_eq!(row.caution.is_some(), line.contains("heavy tail"), "{line}");
+    }
+    assert!(text.contains("heavy tail: few samples make up the variance"), "{text}");
+    for word in ["plan: ", "times the efficiency", "±: ", "cost: ", "1536 samples of a pilot"] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+}
+
 /// How the tables look: `cargo test --test plan print -- --ignored --nocapture`.
 #[test]
 #[ignore = "for the eye"]
