@@ -39,7 +39,7 @@ const BALANCE: [(&str, f64); 3] = [
 
 #[test]
 fn unbiased_and_better_than_equal_samples() {
-    check(2048, 60, 0.7);
+    check(1024, 24, 0.7);
 }
 
 #[test]
@@ -99,7 +99,7 @@ fn sobol_points() {
         [Adaptive::new(1 << 14).unwrap(), Adaptive::new(1 << 14).unwrap().without_controls()]
     {
         let random = adaptive.execute(&f, &techniques(), 1).unwrap();
-        for seed in 0..5 {
+        for seed in 0..2 {
             let adapted = adaptive.execute_from(&f, &techniques(), &Sobol::new(seed)).unwrap();
             let error = adapted.standard_error().unwrap();
             let z = (adapted.value() - truth) / error;
@@ -140,7 +140,7 @@ fn counts_depend_on_past_rounds_only() {
     };
     let all = run(usize::MAX / 4);
     assert_eq!(all.rounds().len(), 6);
-    for changed in 0..6 {
+    for changed in [0, 3, 5] {
         let other = run(changed);
         for (t, (a, b)) in all.rounds().iter().zip(other.rounds()).enumerate() {
             let same_report = a.report().value() == b.report().value();

@@ -89,9 +89,9 @@ fn predictions_hold_and_the_best_is_recommended_with_many_pilots() {
 #[test]
 fn predictions_hold_and_the_best_is_recommended() {
     let mut counts = Counts::default();
-    let few = ["sin·cos", "family A", "alone in a region", "changes sign", "in the span"];
+    let few = ["sin·cos", "alone in a region"];
     for problem in problems().iter().filter(|problem| few.contains(&problem.name)) {
-        let planner = Planner::new().samples(2048).unwrap();
+        let planner = Planner::new().samples(1024).unwrap();
         let known = Known::default();
         counts.add(problem, &measure(problem, &planner, Kind::Equal, 1, 1 << 13, &known));
     }

