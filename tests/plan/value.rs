@@ -193,7 +193,7 @@ fn printed() {
     let lines: Vec<&str> = text.lines().collect();
     let head = lines.iter().position(|line| line.starts_with("method")).unwrap();
     let column = |line: &str, word: &str| {
-        line.find(word).map(|at| line[..at].chars().count()).unwrap_or_else(|| panic!("{line}"))
+        line.find(word).map_or_else(|| panic!("{line}"), |at| line[..at].chars().count())
     };
     let shares = column(lines[head], "shares");
     for (line, row) in lines[head + 1..].iter().zip(&plan.predictions) {
