@@ -159,7 +159,7 @@ pub(super) fn raise(counts: &mut [u64], least: u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{counts, optimise};
+    use super::{counts, optimise, raise};
 
     #[test]
     fn neyman_in_one_step() {
@@ -178,6 +178,29 @@ mod tests {
         assert!(evaluations <= 8, "{evaluations}");
         let best = (3.0_f64 + 2.0 + 0.25).powi(2);
         assert!((found.objective[1] / best - 1.0).abs() < 1e-12, "{:?}", found.objective);
+    }
+
+    #[test]
+    fn counts_of_what_are_no_shares() {
+        assert_eq!(counts(&[f64::NAN, 1.0], 10), [0, 10]);
+        assert_eq!(counts(&[f64::INFINITY, -1.0, 2.0], 10), [0, 0, 10]);
+        assert_eq!(counts(&[0.0, 0.0], 10), [0, 0]);
+        assert_eq!(counts(&[1e308, 1e308], 10), [5, 5]);
+        assert_eq!(counts(&[], 10), [0; 0]);
+    }
+
+    #[test]
+    fn raised_to_the_least() {
+        for (mut before, least, after) in [
+            (vec![1, 99], 16, vec![16, 84]),
+            (vec![0, 5, 95], 16, vec![16, 16, 68]),
+            (vec![3, 4], 16, vec![3, 4]),
+            (vec![50, 50], 16, vec![50, 50]),
+        ] {
+            raise(&mut before, least);
+            assert_eq!(before, after);
+        }
+        raise(&mut [], 3);
     }
 
     #[test]

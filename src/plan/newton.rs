@@ -167,3 +167,73 @@ fn quadratic(
     }
     d
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use super::{Look, newton, quadratic};
+
+    fn neyman(sigma: &[f64], costs: &[f64], alpha: &[f64]) -> Look {
+        let m = |k: i32| {
+            let all = alpha.iter().zip(sigma).map(move |(a, s)| s * s / a.powi(k));
+            all.collect::<Vec<f64>>()
+        };
+        let curvature = DMatrix::from_diagonal(&(2.0 * DVector::from(m(3))));
+        Look { variance: m(1).iter().sum(), slope: m(2), curvature, costs: costs.to_vec() }
+    }
+
+    #[test]
+    fn neymans_shares() {
+        let (sigma, costs) = ([3.0, 1.0, 0.5], [1.0, 4.0, 0.25]);
+        let found = newton(&[1.0 / 3.0; 3], 1e-9, |alpha| Some(neyman(&sigma, &costs, alpha)));
+        // α_k ∝ σ_k / √c_k: 3, 1/2, 1.
+        for (alpha, expected) in found.shares.iter().zip([3.0 / 4.5, 0.5 / 4.5, 1.0 / 4.5]) {
+            assert!((alpha - expected).abs() < 1e-6, "{found:?}");
+        }
+        assert!(found.objective.windows(2).all(|two| two[1] < two[0]), "{found:?}");
+    }
+
+    /// Those that would have less are at the floor, and the others share the rest as they would alone.
+    #[test]
+    fn shares_at_the_floor() {
+        let (sigma, costs) = ([3.0, 1.0, 0.0], [1.0; 3]);
+        let found = newton(&[1.0 / 3.0; 3], 0.3, |alpha| Some(neyman(&sigma, &costs, alpha)));
+        for (alpha, expected) in found.shares.iter().zip([0.675, 0.225, 0.1]) {
+            assert!((alpha - expected).abs() < 1e-5, "{found:?}");
+        }
+        let whole = newton(&[0.5, 0.5], 1.0, |alpha| Some(neyman(&[1.0, 9.0], &[1.0; 2], alpha)));
+        assert_eq!(whole.shares, [0.5, 0.5]);
+    }
+
+    #[test]
+    fn nothing_to_go_by() {
+        let blind = newton(&[0.25; 4], 0.01, |_| None);
+        assert_eq!((blind.shares, blind.objective), (vec![0.25; 4], Vec::new()));
+        let nan = newton(&[0.5; 2], 0.01, |_| {
+            let curvature = DMatrix::from_element(2, 2, f64::NAN);
+            Some(Look { variance: 1.0, slope: vec![f64::NAN; 2], curvature, costs: vec![1.0; 2] })
+        });
+        for share in nan.shares {
+            assert!((share - 0.5).abs() < 1e-12);
+        }
+    }
+
+    /// Minimise |n + d - (0.9, 0.4, -0.3)|² / 2 on the simplex: (0.75, 0.25, 0).
+    #[test]
+    fn quadratic_programme_at_a_bound() {
+        let n = DVector::from(vec![0.2, 0.3, 0.5]);
+        let slope = DVector::from(vec![0.9, 0.4, -0.3]) - &n;
+        let d = quadratic(&n, &slope, &DMatrix::identity(3, 3), &DVector::from(vec![1.0; 3]));
+        for (found, expected) in (n + d).iter().zip([0.75, 0.25, 0.0]) {
+            assert!((found - expected).abs() < 1e-8, "{found} {expected}");
+        }
+        // From the bound, where it is let go.
+        let n = DVector::from(vec![0.0, 0.5, 0.5]);
+        let slope = DVector::from(vec![0.9, 0.4, -0.3]) - &n;
+        let d = quadratic(&n, &slope, &DMatrix::identity(3, 3), &DVector::from(vec![1.0; 3]));
+        for (found, expected) in (n + d).iter().zip([0.75, 0.25, 0.0]) {
+            assert!((found - expected).abs() < 1e-8, "{found} {expected}");
+        }
+    }
+}
