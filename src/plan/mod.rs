@@ -42,6 +42,8 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+#![doc = include_str!("measured.md")]
 
 mod adaptive;
 mod allocation;
