@@ -51,6 +51,9 @@ pub struct Adaptive {
     on_fault: OnFault,
 }
 
+/// Samples of each technique in a round, at least; with replicates, it is two of each.
+const LEAST: u64 = 8;
+
 /// The counts of a round, and its controls.
 type Lesson = (Vec<u64>, Option<Controls>);
 
@@ -91,7 +94,8 @@ impl Adaptive {
         Self { controls: false, ..self }
     }
 
-    /// Every technique has at least the share `floor` / K in every round.
+    /// Every technique has at least the share `floor` / K in every round, and 8 samples where there are
+    /// enough (with points in replicates, two of each).
     ///
     /// # Errors
     ///
@@ -250,10 +254,9 @@ impl Adaptive {
         })
         .shares;
         let mut counts = allocation::counts(&adapted, next);
-        allocation::raise(
-            &mut counts,
-            if replicates(points) > 1 { 2 * replicates(points) as u64 } else { 1 },
-        );
+        // From fewer there is no error, or none that means much.
+        let each = if replicates(points) > 1 { 2 * replicates(points) as u64 } else { LEAST };
+        allocation::raise(&mut counts, each);
         // Those that fit the shares as they are drawn.
         let drawn: Vec<f64> = counts.iter().map(|n| *n as f64 / next as f64).collect();
         let controls = fitted(&drawn).map(|(controls, _)| controls);
