@@ -6,7 +6,8 @@ use super::allocation;
 use super::cost::Costs;
 use super::data::Data;
 use super::method::Method;
-use super::pilot::forecasted;
+use super::newton::newton;
+use super::pilot::look;
 use super::predict::controls;
 use crate::error::ArgumentError;
 use crate::estimate::Estimate;
@@ -50,6 +51,12 @@ pub struct Adaptive {
     on_fault: OnFault,
 }
 
+/// Samples of each technique in a round, at least; with replicates, it is two of each.
+const LEAST: u64 = 8;
+
+/// The counts of a round, and its controls.
+type Lesson = (Vec<u64>, Option<Controls>);
+
 /// Samples of a round that the next one learns from, at most.
 const LESSON: u64 = 1 << 14;
 
@@ -87,7 +94,8 @@ impl Adaptive {
         Self { controls: false, ..self }
     }
 
-    /// Every technique has at least the share `floor` / K in every round.
+    /// Every technique has at least the share `floor` / K in every round, and 8 samples where there are
+    /// enough (with points in replicates, two of each).
     ///
     /// # Errors
     ///
@@ -162,13 +170,13 @@ impl Adaptive {
         }
         let rounds = (1..=self.rounds).rev().find(|r| self.samples >> (r - 1) >= 256).unwrap_or(1);
         let ends: Vec<u64> = (0..rounds).rev().map(|h| self.samples >> h).collect();
-        let mut shares = vec![1.0 / k.max(1) as f64; k];
+        let equal = vec![1.0 / k.max(1) as f64; k];
+        let mut counts = allocation::counts(&equal, ends[0]);
         let mut own: Option<Controls> = None;
         let (mut start, mut done) = (0, Vec::new());
         for (number, end) in ends.iter().enumerate() {
             let samples = end - start;
             start = *end;
-            let counts = allocation::counts(&shares, samples);
             let list: Vec<_> = techniques.iter().copied().zip(counts.iter().copied()).collect();
             let plain = MultiSample::new(&list)?.on_fault(self.on_fault);
             let points = Shifted { points, streams: number * k * replicates(points) };
@@ -183,27 +191,30 @@ impl Adaptive {
                 }
                 None => run.execute_from(&plain, f, &points)?,
             };
-            let next = if *end < self.samples {
-                Some(self.learn(&plain, f, &points, samples.min(LESSON))?)
-            } else {
-                None
+            // The next round has as many samples as all before it, or one more.
+            let next = match ends.get(number + 1) {
+                Some(later) => {
+                    Some(self.learn(&plain, f, &points, samples.min(LESSON), later - end)?)
+                }
+                None => None,
             };
-            done.push(AdaptedRound { counts, controls: own.clone(), report });
+            done.push(AdaptedRound { counts: counts.clone(), controls: own.clone(), report });
             if let Some((adapted, controls)) = next {
-                (shares, own) = (adapted, controls);
+                (counts, own) = (adapted, controls);
             }
         }
         Ok(Adapted::new(done))
     }
 
-    /// Shares and controls for the next round, from the first `samples` of this one.
+    /// Counts and controls for a round of `next` samples, from the first `samples` of this one.
     fn learn<P, F, S>(
         &self,
         plain: &MultiSample<'_, P>,
         f: &F,
         points: &S,
         samples: u64,
-    ) -> Result<(Vec<f64>, Option<Controls>), RunError<F::Value>>
+        next: u64,
+    ) -> Result<Lesson, RunError<F::Value>>
     where
         P: Debug,
         F: Integrand<P> + ?Sized,
@@ -227,24 +238,29 @@ impl Adaptive {
             })
             .collect();
         if scales.iter().all(|scale| *scale == 0.0) {
-            return Ok((shares.to_vec(), None));
+            return Ok((allocation::counts(shares, next), None));
         }
         let fitted = |shares: &[f64]| controls(&data, shares).filter(|_| self.controls);
         let method = match fitted(shares) {
             Some((controls, _)) => Method::Optimal(controls),
             None => Method::Balance,
         };
-        let adapted = allocation::optimise(shares, self.floor, 40, |shares| {
-            let (_, forecast) = forecasted(&data, &method, shares, &scales).ok()?;
+        let adapted = newton(shares, self.floor, |shares| {
             let costs = match &self.costs {
                 Some(costs) => costs.of(&method, shares, costs.combining),
                 None => vec![1.0; k],
             };
-            Some((forecast.total(&scales), forecast.gradient?, costs))
+            look(&data, &method, shares, &scales, costs)
         })
         .shares;
-        let controls = fitted(&adapted).map(|(controls, _)| controls);
-        Ok((adapted, controls))
+        let mut counts = allocation::counts(&adapted, next);
+        // From fewer there is no error, or none that means much.
+        let each = if replicates(points) > 1 { 2 * replicates(points) as u64 } else { LEAST };
+        allocation::raise(&mut counts, each);
+        // Those that fit the shares as they are drawn.
+        let drawn: Vec<f64> = counts.iter().map(|n| *n as f64 / next as f64).collect();
+        let controls = fitted(&drawn).map(|(controls, _)| controls);
+        Ok((counts, controls))
     }
 }
 

@@ -29,6 +29,9 @@ const GAIN: f64 = 1e-3;
 /// that V falls as 1/s if all α_k grow by s; at the optimum m_k / c_k = V / C for every technique
 /// with samples, where C = Σ α_k c_k.
 ///
+/// For methods whose weights change with the shares, so that curvature is not to be had; for others see
+/// [`newton`](super::newton::newton).
+///
 /// The first step is α_k ← α_k √(m_k C / (c_k V)). For Σ σ_k² / α_k, that is J. Neyman's allocation; for
 /// ∫ f² / Σ α_k p_k, it is the step of R. Kleiss and R. Pittau, *Weight Optimization in Multichannel
 /// Monte Carlo*, 1994, arXiv:hep-ph/9405257, which minimises a majorant (by Jensen's inequality). Alone
@@ -117,13 +120,17 @@ fn own_step(gradient: &DVector<f64>, j: f64) -> DVector<f64> {
 /// Whole numbers in proportion to the shares, which sum to `total`: the largest remainders are rounded
 /// up. A technique with a share gets at least one, if there are enough.
 pub(super) fn counts(shares: &[f64], total: u64) -> Vec<u64> {
-    let sum: f64 = shares.iter().sum();
-    let exact: Vec<f64> = shares.iter().map(|share| share / sum * total as f64).collect();
+    // What is no share counts for nothing.
+    let shares: Vec<f64> =
+        shares.iter().map(|s| if s.is_finite() && *s > 0.0 { *s } else { 0.0 }).collect();
+    let largest = shares.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let sum: f64 = shares.iter().map(|share| share / largest).sum();
+    let exact: Vec<f64> = shares.iter().map(|share| share / largest / sum * total as f64).collect();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 2^53")]
     let mut counts: Vec<u64> = exact.iter().map(|x| x.floor() as u64).collect();
     let mut order: Vec<usize> = (0..shares.len()).filter(|k| shares[*k] > 0.0).collect();
     order.sort_by(|a, b| (exact[*b] % 1.0).total_cmp(&(exact[*a] % 1.0)));
-    let left = total.saturating_sub(counts.iter().sum());
+    let left = total.saturating_sub(counts.iter().fold(0, |sum: u64, n| sum.saturating_add(*n)));
     for k in order.iter().cycle().take(usize::try_from(left).unwrap_or(0).min(order.len())) {
         counts[*k] += 1;
     }
@@ -137,9 +144,22 @@ pub(super) fn counts(shares: &[f64], total: u64) -> Vec<u64> {
     counts
 }
 
+/// Gives every technique at least so many samples, from those that have most, if there are enough.
+pub(super) fn raise(counts: &mut [u64], least: u64) {
+    let least = least.min(counts.iter().sum::<u64>() / counts.len().max(1) as u64);
+    for k in 0..counts.len() {
+        while counts[k] < least {
+            let most = (0..counts.len()).max_by_key(|m| counts[*m]).unwrap_or(k);
+            let moved = (least - counts[k]).min(counts[most] - least).max(1);
+            counts[k] += moved;
+            counts[most] -= moved;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{counts, optimise};
+    use super::{counts, optimise, raise};
 
     #[test]
     fn neyman_in_one_step() {
@@ -158,6 +178,29 @@ mod tests {
         assert!(evaluations <= 8, "{evaluations}");
         let best = (3.0_f64 + 2.0 + 0.25).powi(2);
         assert!((found.objective[1] / best - 1.0).abs() < 1e-12, "{:?}", found.objective);
+    }
+
+    #[test]
+    fn counts_of_what_are_no_shares() {
+        assert_eq!(counts(&[f64::NAN, 1.0], 10), [0, 10]);
+        assert_eq!(counts(&[f64::INFINITY, -1.0, 2.0], 10), [0, 0, 10]);
+        assert_eq!(counts(&[0.0, 0.0], 10), [0, 0]);
+        assert_eq!(counts(&[1e308, 1e308], 10), [5, 5]);
+        assert_eq!(counts(&[], 10), [0; 0]);
+    }
+
+    #[test]
+    fn raised_to_the_least() {
+        for (mut before, least, after) in [
+            (vec![1, 99], 16, vec![16, 84]),
+            (vec![0, 5, 95], 16, vec![16, 16, 68]),
+            (vec![3, 4], 16, vec![3, 4]),
+            (vec![50, 50], 16, vec![50, 50]),
+        ] {
+            raise(&mut before, least);
+            assert_eq!(before, after);
+        }
+        raise(&mut [], 3);
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use std::fmt::{self, Display};
 
-use super::prediction::Prediction;
+use super::Method::{Balance, Single};
+use super::prediction::{Caution, Prediction};
 use super::{Integral, Plan};
 use crate::integrand::Value;
 
@@ -15,31 +16,47 @@ impl Display for Plan {
         self.write_reasons(f)?;
         writeln!(
             f,
-            "\n{:<28} {:>10} {:>7} {:>10} {:>10}  shares",
-            "method", "N·variance", "±", "cost", "efficiency"
+            "\n{:<38} {:>11} {:>7} {:>10} {:>10}  {:<10}  shares",
+            "method", "N·variance", "±", "cost", "efficiency", "caution"
         )?;
         let best = self.predictions.iter().map(|p| p.efficiency).fold(0.0, f64::max);
+        let mut cautions: Vec<Caution> = Vec::new();
         for p in self.predictions.iter().take(ROWS) {
-            let name = format!("{}{}", p.method, if p.optimised { ", opt." } else { "" });
-            write!(f, "{name:<28} ")?;
+            let name = format!("{}{}", p.method, if p.optimised { ", optimised" } else { "" });
             let variance = p.variance.first().copied().unwrap_or(f64::NAN);
-            let uncertainty = p.uncertainty.first().copied().unwrap_or(f64::NAN);
-            write!(f, "{variance:>10.3e} {:>6.1}% {:>10.3e} ", 100.0 * uncertainty, p.cost)?;
+            let uncertainty = 100.0 * p.uncertainty.first().copied().unwrap_or(f64::NAN);
             let relative = p.efficiency / best;
-            if relative.is_nan() {
-                write!(f, "{:>10}", "best")?;
-            } else {
-                write!(f, "{:>9.2}%", 100.0 * relative)?;
-            }
-            write!(f, "  {}", shares(&p.shares))?;
-            match p.caution {
-                Some(caution) => writeln!(f, "  ({caution})")?,
-                None => writeln!(f)?,
-            }
+            let relative = match relative {
+                r if r.is_nan() => "-".into(),
+                r if r < 1e-3 => format!("{r:.1e}"),
+                r => format!("{r:.3}"),
+            };
+            let caution = p.caution.map_or("", Caution::word);
+            cautions.extend(p.caution.filter(|c| cautions.iter().all(|k| k.word() != c.word())));
+            writeln!(
+                f,
+                "{name:<38} {variance:>11.3e} {uncertainty:>6.1}% {:>10.3e} {relative:>10}  {caution:<10}  {}",
+                p.cost,
+                shares(&p.shares)
+            )?;
         }
         if let Some(more) = self.predictions.len().checked_sub(ROWS).filter(|more| *more > 0) {
             writeln!(f, "and {more} more")?;
         }
+        for caution in cautions {
+            let words = match caution {
+                Caution::Biased { .. } => {
+                    "it relies on a technique that does not reach all of f".into()
+                }
+                _ => caution.to_string(),
+            };
+            writeln!(f, "{}: {words}", caution.word())?;
+        }
+        f.write_str(
+            "±: standard error of the variance, in the pilot\n\
+             cost: of a sample; in seconds of one core, unless costs were declared\n\
+             efficiency: 1 / (variance · cost), over the best\n",
+        )?;
         write!(f, "from {} samples of a pilot", self.pilot_samples)
     }
 }
@@ -47,8 +64,8 @@ impl Display for Plan {
 impl Plan {
     fn write_reasons(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "plan: {}", self.method)?;
-        let total: u64 = self.counts.iter().sum();
-        let own: Vec<f64> = self.counts.iter().map(|n| *n as f64 / total as f64).collect();
+        let total: f64 = self.counts.iter().map(|n| *n as f64).sum();
+        let own: Vec<f64> = self.counts.iter().map(|n| *n as f64 / total).collect();
         writeln!(f, ", shares of the samples {}", shares(&own))?;
         let Some(chosen) = self.prediction() else {
             return writeln!(f, "  it is not one of those that were predicted");
@@ -59,9 +76,9 @@ impl Plan {
             if times.is_nan() {
                 return Ok(());
             }
-            writeln!(f, "  {times:.3} times the efficiency of {name}")
+            let times = if times < 1e4 { format!("{times:.2}") } else { format!("{times:.1e}") };
+            writeln!(f, "  {times} times the efficiency of {name}")
         };
-        use super::Method::{Balance, Single};
         let find = |is: &dyn Fn(&&Prediction) -> bool| self.predictions.iter().find(is);
         let single = find(&|p| matches!(p.method, Single(_)));
         if let Some(Single(i)) = single.map(|p| &p.method) {

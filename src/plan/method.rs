@@ -45,6 +45,23 @@ impl Method {
         !matches!(self, Self::Single(_) | Self::Constant(_))
     }
 
+    /// Whether the contributions of samples do not change with the shares but by the mixture, or in
+    /// proportion.
+    pub(super) fn keeps_contributions(&self) -> bool {
+        matches!(self, Self::Balance | Self::OneSample | Self::Optimal(_) | Self::Constant(_))
+    }
+
+    /// Whether it is a method for so many techniques.
+    pub(super) fn check(&self, techniques: usize) -> Result<(), ArgumentError> {
+        match self {
+            Self::Single(i) if *i >= techniques => {
+                let rule = format!("there are {techniques} techniques");
+                Err(ArgumentError::new("Method", "Single", i, rule))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The weighting, of multi-sample methods.
     pub(super) fn weighting(&self) -> Result<Box<dyn Weighting>, ArgumentError> {
         Ok(match self {
@@ -103,6 +120,12 @@ impl<'a, P> Planned<'a, P> {
         const OWNER: &str = "Plan";
         if techniques.len() != counts.len() {
             let rule = format!("there must be one for each of {} techniques", techniques.len());
+            return Err(ArgumentError::new(OWNER, "counts", counts, rule));
+        }
+        method.check(techniques.len())?;
+        let sum = counts.iter().try_fold(0_u64, |sum, n| sum.checked_add(*n));
+        if !sum.is_some_and(|sum| (1..=1 << 53).contains(&sum)) {
+            let rule = "their sum must be at least 1 and at most 2^53";
             return Err(ArgumentError::new(OWNER, "counts", counts, rule));
         }
         let list: Vec<_> = techniques.iter().copied().zip(counts.iter().copied()).collect();

@@ -42,14 +42,19 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+#![doc = include_str!("measured.md")]
 
 mod adaptive;
 mod allocation;
+mod combining;
 mod cost;
 mod data;
 mod display;
 mod method;
+mod newton;
 mod pilot;
+mod planner;
 mod predict;
 mod prediction;
 
@@ -57,7 +62,8 @@ pub use adaptive::{Adapted, AdaptedRound, Adaptive};
 pub use allocation::Allocation;
 pub use cost::Costs;
 pub use method::{Method, Planned};
-pub use pilot::{Pilot, Planner};
+pub use pilot::Pilot;
+pub use planner::Planner;
 pub use prediction::{Caution, Prediction};
 
 use std::fmt::Debug;
@@ -94,8 +100,18 @@ pub struct Plan {
     pub faults_at_most: Option<f64>,
 }
 
-/// Counts of a plan, unless the numbers of samples are known.
-const COUNTED: u64 = 1 << 20;
+/// The counts of a plan with these shares: about 2²⁰ together, so that equal shares have equal counts.
+fn counts(shares: &[f64]) -> Vec<u64> {
+    allocation::counts(shares, (1_u64 << 20).next_multiple_of(shares.len().max(1) as u64))
+}
+
+/// The shares that such counts come to. What an estimator does is predicted for these: where little
+/// variance is left, controls that fit other shares leave more, though they differ by 10⁻⁶.
+fn counted(shares: &[f64]) -> Vec<f64> {
+    let counts = counts(shares);
+    let all: u64 = counts.iter().sum();
+    counts.iter().map(|n| *n as f64 / all as f64).collect()
+}
 
 impl Plan {
     /// The same pilot, with another one of the [predictions](Plan::predictions) as the plan.
@@ -109,16 +125,14 @@ impl Plan {
             return Err(ArgumentError::new("Plan::choose", "number", number, rule));
         };
         self.method = prediction.method.clone();
-        self.counts = allocation::counts(&prediction.shares, COUNTED);
+        self.counts = counts(&prediction.shares);
         Ok(())
     }
 
     /// What is predicted of the plan; `None` if it has been edited to something else.
     #[must_use]
     pub fn prediction(&self) -> Option<&Prediction> {
-        let own = |p: &&Prediction| {
-            p.method == self.method && allocation::counts(&p.shares, COUNTED) == self.counts
-        };
+        let own = |p: &&Prediction| p.method == self.method && counts(&p.shares) == self.counts;
         self.predictions.iter().find(own)
     }
 

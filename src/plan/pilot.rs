@@ -1,221 +1,45 @@
 //! A few samples of every technique, kept apart from any result.
 
-use std::fmt::Debug;
-use std::marker::PhantomData;
-use std::mem::discriminant;
-use std::time::Instant;
-
 use super::allocation::{self, Allocation};
-use super::cost::{Costs, Nothing, TimedIntegrand, TimedTechnique};
+use super::combining::cost_of;
+use super::cost::Costs;
 use super::data::Data;
-use super::method::{Method, Planned};
+use super::method::Method;
+use super::newton::{Look, newton};
 use super::predict::{Forecast, controls, forecast};
 use super::prediction::{Caution, Prediction};
-use super::{COUNTED, Plan};
+use super::{Plan, counted, counts};
 use crate::error::ArgumentError;
-use crate::estimator::{Buffers, Draw, Kept, MultiSample, OnFault, Sums};
-use crate::integrand::{Integrand, Value};
-use crate::part::Part;
-use crate::points::Random;
-use crate::run::{RunFault, Target};
-use crate::technique::Technique;
+use crate::estimator::OnFault;
 use crate::weighting::VarianceAware;
-
-/// How plans are made.
-///
-/// See the [module](crate::plan).
-#[derive(Debug, Clone, Default)]
-pub struct Planner {
-    samples: Option<u64>,
-    costs: Option<Costs>,
-    floor: Option<f64>,
-    target: Target,
-    on_fault: OnFault,
-}
-
-/// Samples of each technique, unless there are many techniques.
-const SAMPLES: u64 = 4096;
-
-/// The most densities that a pilot holds by default, times the number of techniques.
-const DENSITIES: u64 = 1 << 20;
-
-/// The share of all samples that optimised allocations leave to be divided equally.
-const FLOOR: f64 = 0.01;
 
 /// A variance whose standard error is more than this part of it is uncertain.
 const UNCERTAIN: f64 = 0.07;
 
-/// Pilots draw other samples than runs with the same seed.
-const APART: u64 = 0x70_69_6c_6f_74;
-
 /// What an optimisation of the shares may look at: densities, times what the method takes for each.
-const OPERATIONS: usize = 1 << 16;
+const OPERATIONS: usize = 1 << 15;
 
-impl Planner {
-    /// 4096 samples of each technique (fewer if there are more than 16), measured costs, a floor of 0.01.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
+/// Up to so many techniques, shares are optimised for each weighting.
+const FEW: usize = 4;
 
-    /// The pilot draws so many samples of each technique.
-    ///
-    /// # Errors
-    ///
-    /// There must be at least 16, and at most 2²⁰.
-    pub fn samples(self, samples: u64) -> Result<Self, ArgumentError> {
-        if !(16..=1 << 20).contains(&samples) {
-            let rule = "it must be at least 16 and at most 2^20";
-            return Err(ArgumentError::new("Planner", "samples", samples, rule));
-        }
-        Ok(Self { samples: Some(samples), ..self })
-    }
+/// Evaluations of such an optimisation, at most.
+const STEPS: usize = 12;
 
-    /// The costs are these; no clock is read.
-    #[must_use]
-    pub fn costs(self, costs: Costs) -> Self {
-        Self { costs: Some(costs), ..self }
-    }
-
-    /// Optimised allocations give every technique at least the share `floor` / K. A technique without
-    /// samples could not show that it is needed.
-    ///
-    /// # Errors
-    ///
-    /// It must be greater than 0 and at most 1.
-    pub fn floor(self, floor: f64) -> Result<Self, ArgumentError> {
-        if !(floor > 0.0 && floor <= 1.0) {
-            let rule = "it must be greater than 0 and at most 1";
-            return Err(ArgumentError::new("Planner", "floor", floor, rule));
-        }
-        Ok(Self { floor: Some(floor), ..self })
-    }
-
-    /// What runs of the plan are for: which components count, and what [`integrate`](Planner::integrate)
-    /// goes on to reach.
-    #[must_use]
-    pub fn target(self, target: Target) -> Self {
-        Self { target, ..self }
-    }
-
-    /// What to do with samples that have no usable contribution, in the pilot and in the plan; an error
-    /// by default.
-    #[must_use]
-    pub fn on_fault(self, on_fault: OnFault) -> Self {
-        Self { on_fault, ..self }
-    }
-
-    pub(super) fn aim(&self) -> Target {
-        self.target
-    }
-
-    /// A pilot, and the plan that it leads to.
-    ///
-    /// # Errors
-    ///
-    /// As [`pilot`](Planner::pilot).
-    pub fn plan<P, F>(
-        &self,
-        f: &F,
-        techniques: &[&dyn Technique<Point = P>],
-        seed: u64,
-    ) -> Result<Plan, RunFault>
-    where
-        P: Debug,
-        F: Integrand<P> + ?Sized,
-    {
-        Ok(self.pilot(f, techniques, seed)?.plan()?)
-    }
-
-    /// Draws a pilot. Its samples are others than those of a run with the same seed.
-    ///
-    /// # Errors
-    ///
-    /// There must be at least one technique, and declared costs for each. The integrand or a pdf is
-    /// not what it must be at some sample.
-    pub fn pilot<P, F>(
-        &self,
-        f: &F,
-        techniques: &[&dyn Technique<Point = P>],
-        seed: u64,
-    ) -> Result<Pilot, RunFault>
-    where
-        P: Debug,
-        F: Integrand<P> + ?Sized,
-    {
-        let k = techniques.len();
-        if let Some(costs) = &self.costs {
-            costs.check(k)?;
-        }
-        self.target.check(F::Value::COMPONENTS)?;
-        let all = k.max(1) as u64;
-        let samples = self.samples.unwrap_or((DENSITIES / (all * all)).clamp(64, SAMPLES));
-        let timed: Vec<_> = techniques.iter().map(|inner| TimedTechnique::new(*inner)).collect();
-        let integrand = TimedIntegrand { inner: f, clock: super::cost::Clock::default() };
-        let list: Vec<(&dyn Technique<Point = P>, u64)> = timed
-            .iter()
-            .zip(techniques)
-            // Without a clock where costs are declared.
-            .map(|(timed, plain)| (if self.costs.is_some() { *plain } else { timed as _ }, samples))
-            .collect();
-        let mis = MultiSample::new(&list)?.on_fault(self.on_fault);
-        let mut part = Part::empty(k, 1, F::Value::COMPONENTS);
-        let sums = Sums { part: &mut part, evidence: None };
-        let mut kept = Kept::new(k, F::Value::COMPONENTS);
-        let mut densities = vec![0.0; k];
-        let (range, points) = (0..samples * all, Random::new(seed ^ APART));
-        let inspect = |sample: &crate::Sample<'_, P, F::Value>| {
-            sample.relative_densities(&mut densities);
-            kept.push(sample, |row| row.extend_from_slice(&densities));
-        };
-        let mut buffers = Buffers::new();
-        if self.costs.is_some() {
-            mis.draw(f, &points, range, &mut buffers, sums, inspect)?;
-        } else {
-            mis.draw(&integrand, &points, range, &mut buffers, sums, inspect)?;
-        }
-        let counts = part.all();
-        self.on_fault.check(counts.faults(), counts.samples)?;
-
-        let data = Data::new(&kept, k, F::Value::COMPONENTS);
-        let (costs, combining) = match &self.costs {
-            Some(costs) => (costs.clone(), Vec::new()),
-            None => {
-                let combining = combining::<P, F::Value>(techniques)?;
-                let balance = cost_of(&combining, &Method::Balance).unwrap_or(1e-12);
-                let costs = Costs {
-                    sampling: timed.iter().map(|t| t.sampling.per_sample()).collect(),
-                    pdf: timed.iter().map(|t| t.pdf.per_sample()).collect(),
-                    integrand: integrand.clock.per_sample(),
-                    combining: balance,
-                };
-                (costs, combining)
-            }
-        };
-        let scale = |c: usize| {
-            let squares: Vec<f64> = data.y(c).iter().map(|y| y * y).collect();
-            let (square, _) = data.mean(&squares);
-            if square > 0.0 && self.target.counts(c) { square.recip() } else { 0.0 }
-        };
-        let scales = (0..F::Value::COMPONENTS).map(scale).collect();
-        let values = (0..F::Value::COMPONENTS).map(|c| data.mean(data.y(c)).0).collect();
-        let (floor, on_fault) = (self.floor.unwrap_or(FLOOR), self.on_fault);
-        Ok(Pilot { data, costs, combining, scales, values, floor, on_fault })
-    }
-}
+/// The densities that a method which weighs each technique's samples on its own looks at, times K.
+const ROOM: usize = 1 << 19;
 
 /// A few samples of every technique, with their pdfs and what they cost.
 #[derive(Debug, Clone)]
 pub struct Pilot {
-    data: Data,
-    costs: Costs,
+    pub(super) data: Data,
+    pub(super) costs: Costs,
     /// What combining costs, by kind of method; empty if costs are declared.
-    combining: Vec<(Method, f64)>,
+    pub(super) combining: Vec<(Method, f64)>,
     /// What the variance of a component counts for.
-    scales: Vec<f64>,
-    values: Vec<f64>,
-    floor: f64,
-    on_fault: OnFault,
+    pub(super) scales: Vec<f64>,
+    pub(super) values: Vec<f64>,
+    pub(super) floor: f64,
+    pub(super) on_fault: OnFault,
 }
 
 impl Pilot {
@@ -255,6 +79,11 @@ impl Pilot {
             return Err(ArgumentError::new(OWNER, "shares", shares, rule));
         }
         let shares: Vec<f64> = shares.iter().map(|share| share / sum).collect();
+        method.check(self.data.techniques)?;
+        if matches!(method, Method::Single(i) if !(shares[*i] == 1.0)) {
+            let rule = "only the technique alone may have a share";
+            return Err(ArgumentError::new(OWNER, "shares", shares, rule));
+        }
         method.weighting()?.check(&shares)?;
         self.prediction(method, shares, false)
     }
@@ -267,28 +96,52 @@ impl Pilot {
     pub fn allocate(&self, method: &Method) -> Result<Allocation, ArgumentError> {
         let k = self.data.techniques;
         let equal = vec![1.0 / k as f64; k];
+        method.check(k)?;
         method.weighting()?.check(&equal)?;
-        let (each, most) = match method {
-            Method::Balance | Method::OneSample | Method::Single(_) => (1, 60),
-            Method::Optimal(_) | Method::Constant(_) => (k, 40),
-            // Each evaluation takes longer, and a slope takes K + 1 of them.
-            _ => (8 * k, 12),
-        };
-        let data = self.data.thinned(OPERATIONS / each);
+        if let Method::Single(i) = method {
+            return Ok(Allocation { shares: alone(*i, k), objective: Vec::new() });
+        }
+        if method.keeps_contributions() {
+            let data = self.data.thinned(OPERATIONS);
+            let own = self.newton(&data, method, &equal, &self.costs);
+            // With unequal costs, there may be several minima: others are found from the best shares
+            // without costs, and from shares in proportion to 1 / c_k.
+            let each = self.costs.of(method, &equal, self.combining(method));
+            let inverse: f64 = each.iter().map(|cost| cost.recip()).sum();
+            let cheap: Vec<f64> = each.iter().map(|cost| cost.recip() / inverse).collect();
+            if cheap.iter().all(|share| share * k as f64 > 0.7) {
+                return Ok(own);
+            }
+            let free = Costs { sampling: vec![1.0; k], ..self.costs.clone() };
+            let free = self.newton(&data, method, &equal, &free).shares;
+            let others = [free, cheap].map(|start| self.newton(&data, method, &start, &self.costs));
+            let last = |a: &Allocation| a.objective.last().copied().unwrap_or(f64::INFINITY);
+            let better = |a, b| if last(&b) < last(&a) { b } else { a };
+            return Ok(others.into_iter().fold(own, better));
+        }
+        if k > FEW {
+            // Each step would take K² looks: the shares that are best for the balance heuristic.
+            let shares = self.allocate(&Method::Balance)?.shares;
+            return Ok(Allocation { shares, objective: Vec::new() });
+        }
+        // Each evaluation takes longer, and a slope takes K + 1 of them.
+        let data = self.data.thinned(OPERATIONS / (4 * k));
         let total = |shares: &[f64]| -> Option<f64> {
-            let (_, forecast) = forecasted(&data, method, shares, &self.scales).ok()?;
+            let (_, forecast) = forecasted(&data, method, shares, &self.scales, false).ok()?;
             Some(forecast.total(&self.scales))
         };
-        Ok(allocation::optimise(&equal, self.floor, most, |shares| {
-            let (_, forecast) = forecasted(&data, method, shares, &self.scales).ok()?;
+        Ok(allocation::optimise(&equal, self.floor, STEPS, |shares| {
+            let v = total(shares)?;
             let costs = self.costs.of(method, shares, self.combining(method));
-            let v = forecast.total(&self.scales);
-            let gradient = match forecast.gradient {
-                Some(gradient) => gradient,
-                None => slope(shares, v, total)?,
-            };
-            Some((v, gradient, costs))
+            Some((v, slope(shares, v, total)?, costs))
         }))
+    }
+
+    fn newton(&self, data: &Data, method: &Method, start: &[f64], costs: &Costs) -> Allocation {
+        newton(start, self.floor, |shares| {
+            let costs = costs.of(method, shares, self.combining(method));
+            look(data, method, shares, &self.scales, costs)
+        })
     }
 
     /// The best plan, and what all others would come to.
@@ -308,7 +161,7 @@ impl Pilot {
             best.map_or((Method::Balance, Vec::new()), |best| (best.method, best.shares));
         Ok(Plan {
             method,
-            counts: allocation::counts(&shares, COUNTED),
+            counts: counts(&shares),
             predictions,
             costs: self.costs.clone(),
             pilot_samples: self.samples(),
@@ -320,9 +173,8 @@ impl Pilot {
     /// Of all methods, with equal and with optimised shares.
     fn predictions(&self) -> Result<Vec<Prediction>, ArgumentError> {
         let k = self.data.techniques;
-        let alone = |i: usize| (0..k).map(|k| f64::from(u8::from(k == i))).collect::<Vec<_>>();
         let singles = (0..k)
-            .map(|i| self.prediction(&Method::Single(i), alone(i), false))
+            .map(|i| self.prediction(&Method::Single(i), alone(i, k), false))
             .collect::<Result<Vec<_>, _>>()?;
         if k == 1 {
             return Ok(singles);
@@ -341,7 +193,7 @@ impl Pilot {
         for method in &methods {
             let before = self.prediction(method, equal.clone(), false)?;
             if !matches!(before.caution, Some(Caution::Biased { .. } | Caution::NoSignal)) {
-                let optimised = self.allocate(method)?.shares;
+                let optimised = counted(&self.allocate(method)?.shares);
                 all.push(self.prediction(method, optimised, true)?);
             }
             all.push(before);
@@ -356,24 +208,23 @@ impl Pilot {
         optimised: bool,
     ) -> Result<Prediction, ArgumentError> {
         // A method that weighs each technique's samples on its own takes K times as long.
-        let most = DENSITIES as usize * 2 / self.data.techniques;
+        let most = ROOM / self.data.techniques;
         let thinned = matches!(
             method,
             Method::Power(_) | Method::Cutoff(_) | Method::Maximum | Method::VarianceAware(_)
         )
         .then(|| self.data.thinned(most));
         let data = thinned.as_ref().unwrap_or(&self.data);
-        let (method, forecast) = forecasted(data, method, &shares, &self.scales)?;
+        let (method, forecast) = forecasted(data, method, &shares, &self.scales, false)?;
         let of = self.costs.of(&method, &shares, self.combining(&method));
         let cost: f64 = shares.iter().zip(of).map(|(share, cost)| share * cost).sum();
         let efficiency = (forecast.total(&self.scales) * cost).recip();
         let signal = self.scales.iter().any(|scale| *scale > 0.0);
-        let uncertain = forecast.uncertainty.iter().any(|u| !(*u <= UNCERTAIN));
         let caution = match forecast.uncovered {
             _ if !signal => Some(Caution::NoSignal),
             Some(technique) => Some(Caution::Biased { technique }),
-            None if forecast.is_heavy() => Some(Caution::HeavyTail),
-            None if uncertain => Some(Caution::Uncertain),
+            None if forecast.is_heavy(&self.scales) => Some(Caution::HeavyTail),
+            None if !forecast.is_certain(UNCERTAIN, &self.scales) => Some(Caution::Uncertain),
             None => None,
         };
         let Forecast { variance, uncertainty, .. } = forecast;
@@ -423,6 +274,24 @@ impl Pilot {
     }
 }
 
+/// All samples of one technique.
+fn alone(i: usize, techniques: usize) -> Vec<f64> {
+    (0..techniques).map(|k| f64::from(u8::from(k == i))).collect()
+}
+
+/// What an optimisation of the shares looks at.
+pub(super) fn look(
+    data: &Data,
+    method: &Method,
+    shares: &[f64],
+    scales: &[f64],
+    costs: Vec<f64>,
+) -> Option<Look> {
+    let (_, forecast) = forecasted(data, method, shares, scales, true).ok()?;
+    let variance = forecast.total(scales);
+    Some(Look { variance, slope: forecast.gradient?, curvature: forecast.curvature?, costs })
+}
+
 /// By what a prediction is preferred: its efficiency, as far as it is known.
 fn worth(prediction: &Prediction) -> f64 {
     let uncertainty = prediction.uncertainty.iter().copied().fold(0.0, f64::max);
@@ -443,15 +312,16 @@ pub(super) fn forecasted(
     method: &Method,
     shares: &[f64],
     scales: &[f64],
+    bends: bool,
 ) -> Result<(Method, Forecast), ArgumentError> {
     if !matches!(method, Method::Optimal(_)) {
-        return Ok((method.clone(), forecast(data, method, shares, scales)?));
+        return Ok((method.clone(), forecast(data, method, shares, scales, bends)?));
     }
     let Some((controls, rank)) = controls(data, shares) else {
-        return Ok((method.clone(), forecast(data, method, shares, scales)?));
+        return Ok((method.clone(), forecast(data, method, shares, scales, bends)?));
     };
     let method = Method::Optimal(controls);
-    let mut forecast = forecast(data, &method, shares, scales)?;
+    let mut forecast = forecast(data, &method, shares, scales, bends)?;
     // Residuals of a fit are smaller than those of other samples.
     let (n, rank) = (data.samples as f64, rank as f64);
     forecast.variance.iter_mut().for_each(|v| *v *= (n + rank) / (n - rank));
@@ -465,64 +335,11 @@ fn slope(shares: &[f64], v: f64, total: impl Fn(&[f64]) -> Option<f64>) -> Optio
         let mut more = shares.to_vec();
         more[k] *= 1.0 + STEP;
         let sum: f64 = more.iter().sum();
-        more.iter_mut().for_each(|share| *share /= sum);
+        for share in &mut more {
+            *share /= sum;
+        }
         // V of shares that do not sum to 1 is less by their sum.
         Some((v - total(&more)? / sum) / (STEP * shares[k]))
     };
     (0..shares.len()).map(one).collect()
-}
-
-fn cost_of(combining: &[(Method, f64)], method: &Method) -> Option<f64> {
-    let kind = discriminant(method);
-    combining.iter().find(|(known, _)| discriminant(known) == kind).map(|(_, cost)| *cost)
-}
-
-/// What combining costs, for each kind of method: the time of drawing samples of an integrand that takes
-/// none, less that of the techniques.
-fn combining<P: Debug, V: Value>(
-    techniques: &[&dyn Technique<Point = P>],
-) -> Result<Vec<(Method, f64)>, RunFault> {
-    let k = techniques.len();
-    let equal = vec![1.0 / k as f64; k];
-    let controls = crate::Controls::new(0, (0..V::COMPONENTS).map(|_| equal.clone()))?;
-    let methods = [
-        Method::Balance,
-        Method::Single(0),
-        Method::Constant(equal.clone()),
-        Method::Power(2.0),
-        Method::Cutoff(0.1),
-        Method::Maximum,
-        Method::OneSample,
-        Method::VarianceAware(vec![1.0; k]),
-        Method::Optimal(controls),
-    ];
-    let each = (4096 / k as u64).clamp(32, 512);
-    let mut all = Vec::with_capacity(methods.len());
-    for method in methods {
-        let mut least = f64::INFINITY;
-        let mut buffers = Buffers::new();
-        for repetition in 0..4 {
-            let timed: Vec<_> =
-                techniques.iter().map(|inner| TimedTechnique::new(*inner)).collect();
-            let list: Vec<&dyn Technique<Point = P>> = timed.iter().map(|t| t as _).collect();
-            let mut counts = vec![each; k];
-            if let Method::Single(_) = method {
-                counts[1..].fill(0);
-            }
-            let samples: u64 = counts.iter().sum();
-            let on_fault = OnFault::count_as_zero(1.0)?;
-            let estimator = Planned::new(&method, &list, &counts, on_fault)?;
-            let mut part = Part::empty(k, 1, V::COMPONENTS);
-            let sums = Sums { part: &mut part, evidence: None };
-            let nothing = Nothing::<V>(PhantomData);
-            let points = Random::new(repetition);
-            let start = Instant::now();
-            estimator.draw(&nothing, &points, 0..samples, &mut buffers, sums, |_| ())?;
-            let elapsed = start.elapsed().as_secs_f64();
-            let own: f64 = timed.iter().map(|t| t.sampling.total() + t.pdf.total()).sum();
-            least = least.min((elapsed - own).max(0.0) / samples as f64);
-        }
-        all.push((method, least.max(1e-12)));
-    }
-    Ok(all)
 }

@@ -1,5 +1,7 @@
 //! The variance of every estimator, from one pilot's samples.
 
+use nalgebra::DMatrix;
+
 use super::data::Data;
 use super::method::Method;
 use crate::error::ArgumentError;
@@ -17,6 +19,8 @@ pub(super) struct Forecast {
     /// How the variance falls as a technique gets more samples, -∂V/∂α_k, all components together;
     /// `None` where the weights change with the shares.
     pub(super) gradient: Option<Vec<f64>>,
+    /// How that changes, ∂²V/∂α_k ∂α_l; if it was asked for.
+    pub(super) curvature: Option<DMatrix<f64>>,
     /// Whose means the variances are.
     terms: Vec<Vec<f64>>,
     /// A technique that is relied on where it does not reach.
@@ -26,15 +30,23 @@ pub(super) struct Forecast {
 /// How heavy the tail of the terms of a variance may be: their own variance is infinite from 1/2 on.
 const HEAVY: f64 = 0.5;
 
+/// A variance over the mean square that is rounding, and nothing to choose by: contributions are good to
+/// some 2⁻⁴⁴.
+const ROUNDING: f64 = 1.0 / ((1_u64 << 44) as f64 * (1_u64 << 44) as f64);
+
 impl Forecast {
-    /// The components' variances over their scales, added up.
+    /// The components' variances over their scales, added up; of each, at least what rounding leaves.
     pub(super) fn total(&self, scales: &[f64]) -> f64 {
-        self.variance.iter().zip(scales).map(|(v, s)| v * s).sum()
+        let floor = |s: f64| if s > 0.0 { ROUNDING } else { 0.0 };
+        self.variance.iter().zip(scales).map(|(v, s)| (v * s).max(floor(*s))).sum()
     }
 
     /// Whether few samples make up a variance, so that it may be far larger than it looks.
-    pub(super) fn is_heavy(&self) -> bool {
-        self.terms.iter().any(|terms| {
+    pub(super) fn is_heavy(&self, scales: &[f64]) -> bool {
+        self.terms.iter().enumerate().any(|(c, terms)| {
+            if self.is_exact(c, scales) {
+                return false;
+            }
             let mut positive: Vec<f64> = terms.iter().copied().filter(|t| *t > 0.0).collect();
             let n = positive.len();
             // More than it ever looks at.
@@ -44,6 +56,17 @@ impl Forecast {
             }
             k_hat(&positive[tail..], n as u64).is_some_and(|k| k >= HEAVY)
         })
+    }
+
+    /// Whether the variance of a component is known to less than the part `least` of it.
+    pub(super) fn is_certain(&self, least: f64, scales: &[f64]) -> bool {
+        let mut all = self.uncertainty.iter().enumerate();
+        all.all(|(c, uncertainty)| *uncertainty <= least || self.is_exact(c, scales))
+    }
+
+    /// Whether nothing but rounding is left of a variance.
+    fn is_exact(&self, c: usize, scales: &[f64]) -> bool {
+        self.variance[c] * scales[c] <= ROUNDING
     }
 }
 
@@ -58,6 +81,7 @@ pub(super) fn forecast(
     method: &Method,
     shares: &[f64],
     scales: &[f64],
+    bends: bool,
 ) -> Result<Forecast, ArgumentError> {
     let weighting = method.weighting()?;
     let n = data.samples;
@@ -66,10 +90,12 @@ pub(super) fn forecast(
         variance: Vec::new(),
         uncertainty: Vec::new(),
         gradient: None,
+        curvature: None,
         terms: Vec::new(),
         uncovered: None,
     };
     let mut gradient = vec![0.0; data.techniques];
+    let mut curvature = DMatrix::zeros(data.techniques, data.techniques);
     for (c, scale) in scales.iter().enumerate().take(data.components()) {
         let mut terms = vec![0.0; n];
         match method {
@@ -85,19 +111,25 @@ pub(super) fn forecast(
                     }
                     *g = 0.0;
                 }
-                shared(data, method, shares, &g, &s, &mut terms, &mut gradient, *scale);
+                shared(data, method, shares, &g, &s, &mut terms);
+                if bends {
+                    incline(data, method, shares, &g, &s, *scale, &mut gradient);
+                    bend(data, method, shares, &g, &s, *scale, &mut curvature);
+                }
             }
             _ => {
                 for i in (0..data.techniques).filter(|i| shares[*i] > 0.0) {
                     let g = own(data, &*weighting, i, shares, c);
-                    let mean = data.expected(i, |j| g[j]);
+                    let mean = data.expected(i, &g);
                     let alpha = shares[i];
-                    for ((t, g), d) in terms.iter_mut().zip(&g).zip(data.d(i)) {
-                        if *d > 0.0 {
-                            *t += alpha * d * (g - mean).powi(2);
-                        }
-                    }
-                    gradient[i] += scale * data.expected(i, |j| (g[j] - mean).powi(2));
+                    let own = |(g, d): (&f64, &f64)| {
+                        if *d > 0.0 { d * (g - mean).powi(2) } else { 0.0 }
+                    };
+                    let own: Vec<f64> = g.iter().zip(data.d(i)).map(own).collect();
+                    terms.iter_mut().zip(&own).for_each(|(t, own)| *t += alpha * own);
+                    let slope = scale * data.mean(&own).0;
+                    gradient[i] += slope;
+                    curvature[(i, i)] += 2.0 * slope / alpha;
                     if matches!(method, Method::Constant(weights) if weights[i] > 0.0) {
                         let misses = |(d, y): (&f64, &f64)| *d == 0.0 && *y != 0.0;
                         let uncovered = data.d(i).iter().zip(data.y(c)).any(misses);
@@ -113,7 +145,8 @@ pub(super) fn forecast(
         result.terms.push(terms);
     }
     let fixed = matches!(method, Method::Constant(_)) || shares_one_contribution(method);
-    result.gradient = fixed.then_some(gradient);
+    result.gradient = (fixed && bends).then_some(gradient);
+    result.curvature = (fixed && bends).then_some(curvature);
     Ok(result)
 }
 
@@ -123,40 +156,55 @@ fn shares_one_contribution(method: &Method) -> bool {
     matches!(method, Balance | Single(_) | OneSample | Optimal(_))
 }
 
-/// The terms of a variance, and its gradient, where samples of all techniques contribute the same g.
-#[expect(clippy::too_many_arguments, reason = "one loop, in its parts")]
-fn shared(
+/// E_k\[g\] for every technique (0 for those without samples unless it is `of_all`), and μ, the mean under the mixture.
+fn means(data: &Data, shares: &[f64], g: &[f64], of_all: bool) -> (Vec<f64>, f64) {
+    let one = |(k, alpha): (usize, &f64)| {
+        if of_all || *alpha > 0.0 { data.expected(k, g) } else { 0.0 }
+    };
+    let means: Vec<f64> = shares.iter().enumerate().map(one).collect();
+    let mu = means.iter().zip(shares).map(|(mean, alpha)| alpha * mean).sum();
+    (means, mu)
+}
+
+/// The terms of a variance, where samples of all techniques contribute the same g.
+fn shared(data: &Data, method: &Method, shares: &[f64], g: &[f64], s: &[f64], terms: &mut [f64]) {
+    let (means, mu) = means(data, shares, g, false);
+    if *method == Method::OneSample {
+        for ((t, g), s) in terms.iter_mut().zip(g).zip(s) {
+            *t += s * (g - mu).powi(2);
+        }
+        return;
+    }
+    for k in (0..data.techniques).filter(|k| shares[*k] > 0.0) {
+        for ((t, g), d) in terms.iter_mut().zip(g).zip(data.d(k)) {
+            *t += shares[k] * d * (g - means[k]).powi(2);
+        }
+    }
+}
+
+/// The gradient of such a variance.
+fn incline(
     data: &Data,
     method: &Method,
     shares: &[f64],
     g: &[f64],
     s: &[f64],
-    terms: &mut [f64],
-    gradient: &mut [f64],
     scale: f64,
+    gradient: &mut [f64],
 ) {
-    let active = || (0..data.techniques).filter(|k| shares[*k] > 0.0);
-    let means: Vec<f64> = (0..data.techniques).map(|k| data.expected(k, |j| g[j])).collect();
-    let mu: f64 = active().map(|k| shares[k] * means[k]).sum();
+    let (means, mu) = means(data, shares, g, true);
     if *method == Method::OneSample {
-        for ((t, g), s) in terms.iter_mut().zip(g).zip(s) {
-            *t += s * (g - mu).powi(2);
-        }
+        let squares: Vec<f64> = g.iter().map(|g| (g - mu) * (g + mu)).collect();
         for (k, gradient) in gradient.iter_mut().enumerate() {
-            *gradient += scale * data.expected(k, |j| (g[j] - mu) * (g[j] + mu));
+            *gradient += scale * data.expected(k, &squares);
         }
         return;
-    }
-    for k in active() {
-        for ((t, g), d) in terms.iter_mut().zip(g).zip(data.d(k)) {
-            *t += shares[k] * d * (g - means[k]).powi(2);
-        }
     }
     // V = ∫ f²/p_α - Σ α_i b_i² with b_i = E_i[g], and more samples of k change the b_i, too:
     // -∂V/∂α_k = E_k[g² - 2 g u] + b_k², with u = Σ α_i p_i b_i / p_α. About μ, for the digits, with
     // g, u and b less μ, it is E_k[g² - 2 g u] + b_k² + 2 μ (b_k - E_k[u]).
     let mut u = vec![0.0; data.samples];
-    for k in active() {
+    for k in (0..data.techniques).filter(|k| shares[*k] > 0.0) {
         for (u, d) in u.iter_mut().zip(data.d(k)) {
             *u += shares[k] * (means[k] - mu) * d;
         }
@@ -164,11 +212,69 @@ fn shared(
     for (u, s) in u.iter_mut().zip(s) {
         *u = if *s > 0.0 { *u / s } else { 0.0 };
     }
+    let both = g.iter().zip(&u).map(|(g, u)| (g - mu) * (g - mu - 2.0 * u));
+    let both: Vec<f64> = both.collect();
     for (k, gradient) in gradient.iter_mut().enumerate() {
         let b = means[k] - mu;
-        let products = data.expected(k, |j| (g[j] - mu) * (g[j] - mu - 2.0 * u[j]));
-        let shift = 2.0 * mu * (b - data.expected(k, |j| u[j]));
+        let products = data.expected(k, &both);
+        let shift = 2.0 * mu * (b - data.expected(k, &u));
         *gradient += scale * (products + b * b + shift);
+    }
+}
+
+/// The curvature of the variance, where samples of all techniques contribute the same g.
+///
+/// With r_k = p_k / p_α, that of ∫ f²/p_α is 2 ∫ g² r_k r_l p_α; for one-sample, that of μ² / Σ α_k is
+/// to be subtracted. For the balance heuristic V is the least Σ α_i E_i\[(g - b_i)²\] over the b_i, which
+/// makes it 2 ∫ g (g + b_k + b_l - 2u) r_k r_l p_α - 2 Σ α_i G_ik G_il, with G_ik = ∫ g r_i r_k p_α. For
+/// optimal MIS, the coefficients are taken as fixed: more than there is, so that steps are too short
+/// rather than too long.
+fn bend(
+    data: &Data,
+    method: &Method,
+    shares: &[f64],
+    g: &[f64],
+    s: &[f64],
+    scale: f64,
+    curvature: &mut DMatrix<f64>,
+) {
+    let k = data.techniques;
+    let (means, mu) = means(data, shares, g, true);
+    let balance = *method == Method::Balance;
+    let (mut squares, mut products) = (DMatrix::<f64>::zeros(k, k), DMatrix::<f64>::zeros(k, k));
+    let mut r = vec![0.0; k];
+    let n = data.samples as f64;
+    for (j, (g, s)) in g.iter().zip(s).enumerate().filter(|(_, (_, s))| **s > 0.0) {
+        let mut u = 0.0;
+        for (i, r) in r.iter_mut().enumerate() {
+            *r = data.d(i)[j] / s;
+            u += shares[i] * *r * means[i];
+        }
+        let (g, weight) =
+            if let Method::Optimal(_) = method { (g - mu, s / n) } else { (*g, s / n) };
+        let square = if balance { g * (g - 2.0 * u) } else { g * g };
+        for a in (0..k).filter(|a| r[*a] > 0.0) {
+            let (square, product) = (weight * r[a] * square, weight * r[a] * g);
+            for b in 0..=a {
+                squares[(a, b)] += square * r[b];
+                products[(a, b)] += product * r[b];
+            }
+        }
+    }
+    let of = |m: &DMatrix<f64>, a: usize, b: usize| m[(a.max(b), a.min(b))];
+    for a in 0..k {
+        for b in 0..k {
+            let mut own = of(&squares, a, b);
+            if balance {
+                own += (means[a] + means[b]) * of(&products, a, b);
+                own -= (0..k)
+                    .map(|i| shares[i] * of(&products, i, a) * of(&products, i, b))
+                    .sum::<f64>();
+            } else if *method == Method::OneSample {
+                own -= mu * mu;
+            }
+            curvature[(a, b)] += 2.0 * scale * own;
+        }
     }
 }
 

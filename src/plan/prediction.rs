@@ -66,6 +66,17 @@ impl Display for Caution {
     }
 }
 
+impl Caution {
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Biased { .. } => "biased",
+            Self::HeavyTail => "heavy tail",
+            Self::Uncertain => "uncertain",
+            Self::NoSignal => "no signal",
+        }
+    }
+}
+
 impl Prediction {
     /// How many samples the [interval](crate::Estimate::interval) takes to be within the tolerance of
     /// `target`, of integrals of these `values`; a run that has to [confirm](crate::run) it draws two to
