@@ -1,5 +1,7 @@
 //! Figures of the guide that no other test has.
 
+#![allow(clippy::unwrap_used)] // the helpers of tests fail as tests do
+
 use mis::points::{PointSource, Random};
 use mis::technique::{Linear, Uniform};
 use mis::weighting::Constant;
