@@ -96,7 +96,7 @@ fn check(seeds: u64) {
 
 #[test]
 fn errors_honour_pairs_and_strata() {
-    check(400);
+    check(100);
 }
 
 #[test]

@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn intervals_hold() {
-        check(Some(&["sin·cos"]), 20);
+        check(Some(&["sin·cos"]), 10);
     }
 
     #[test]
