@@ -32,7 +32,7 @@ pub struct Planner {
 const SAMPLES: u64 = 4096;
 
 /// The most densities that a pilot holds by default, times the number of techniques.
-const DENSITIES: u64 = 1 << 18;
+const DENSITIES: u64 = 1 << 17;
 
 /// The share of all samples that optimised allocations leave to be divided equally.
 const FLOOR: f64 = 0.01;
@@ -41,7 +41,7 @@ const FLOOR: f64 = 0.01;
 const APART: u64 = 0x70_69_6c_6f_74;
 
 impl Planner {
-    /// 4096 samples of each technique (fewer if there are more than 8), measured costs, a floor of 0.01.
+    /// 4096 samples of each technique (fewer if there are more than 5), measured costs, a floor of 0.01.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
