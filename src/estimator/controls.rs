@@ -83,6 +83,24 @@ impl Controls {
         Ok(())
     }
 
+    /// Whether they leave out the techniques without a share of the samples, whose pdfs have no known
+    /// mean over these.
+    pub(super) fn check_shares(&self, alpha: &[f64]) -> Result<(), ArgumentError> {
+        const OWNER: &str = "MultiSample::controls";
+        if alpha.get(self.reference) == Some(&0.0) {
+            let rule = "it must have samples";
+            return Err(ArgumentError::new(OWNER, "reference", self.reference, rule));
+        }
+        for row in &self.coefficients {
+            let without = row.iter().zip(alpha).position(|(beta, a)| *beta != 0.0 && *a == 0.0);
+            if let Some(k) = without {
+                let rule = format!("technique {k} has no samples, so its coefficient must be 0");
+                return Err(ArgumentError::new(OWNER, "coefficients", row, rule));
+            }
+        }
+        Ok(())
+    }
+
     /// r, the technique that the others are compared with.
     #[must_use]
     pub fn reference(&self) -> usize {

@@ -113,9 +113,11 @@ impl<'a, P, W> MultiSample<'a, P, W> {
     ///
     /// # Errors
     ///
-    /// There must be one coefficient for each technique.
+    /// There must be one coefficient for each technique. The pdf of a technique without samples is not
+    /// evaluated, and its mean not known: its coefficients must be 0, and it cannot be the reference.
     pub fn controls(self, controls: Controls) -> Result<Self, ArgumentError> {
         controls.check(self.techniques.len())?;
+        controls.check_shares(&self.alpha)?;
         Ok(Self { controls: Some(controls), ..self })
     }
 

@@ -189,3 +189,20 @@ fn what_is_printed() {
         assert!(debug.contains(part), "{debug}");
     }
 }
+
+/// The pdf of a technique without samples is not evaluated: a control of it would be a bias.
+#[test]
+fn controls_of_techniques_without_samples_are_refused() {
+    let (flat, ramp) = pair();
+    let none = Linear::new(0.0, 1.0, 3.0, 0.0).unwrap();
+    let with = |reference, betas: [f64; 3]| {
+        let mis = MultiSample::new(&[(&flat, 10), (&ramp, 10), (&none, 0)]).unwrap();
+        let controls = mis::Controls::new(reference, [betas]).unwrap();
+        mis.controls(controls).err().map(|error| error.to_string())
+    };
+    assert_eq!(with(0, [0.0, 2.0, 0.0]), None);
+    let message = with(0, [0.0, 2.0, 1.0]).unwrap();
+    assert!(message.contains("technique 2 has no samples"), "{message}");
+    let message = with(2, [0.0, 2.0, 0.0]).unwrap();
+    assert!(message.contains("`reference` is 2"), "{message}");
+}
