@@ -6,7 +6,7 @@
 //! who wins, and by how much. It opens in any browser, without a network.
 //!
 //! `cargo run --release --example tradeoff`, or with options:
-//! `... --example tradeoff -- --seeds 200 --samples 262144 --out /tmp/page`
+//! `... --example tradeoff -- --seeds 200 --samples 262144 --out target/page`
 
 mod bars;
 mod checks;
