@@ -1,73 +1,18 @@
-//! How a surface reflects: the interface, and the sum of two BSDFs.
+//! How a surface reflects: the interface, its lobes as techniques, and the sum of two BSDFs.
 
-use glam::DVec3;
+use std::fmt::Debug;
 
 use super::direction::Direction;
-use super::scene::Spectrum;
-use crate::error::ArgumentError;
+use super::spectrum::Spectrum;
+use super::surface::Surface;
 use crate::integrand::Value;
 use crate::technique::Technique;
 
-/// A point of a surface, with the direction in which its light is asked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Surface {
-    position: DVec3,
-    normal: Direction,
-    outgoing: Direction,
-    mirror: Direction,
-}
-
-impl Surface {
-    /// The surface at `position` with this `normal`, seen from the direction `outgoing`.
-    ///
-    /// # Errors
-    ///
-    /// `position` must be finite, and `outgoing` on the side of the normal: surfaces are opaque.
-    pub fn new(
-        position: DVec3,
-        normal: Direction,
-        outgoing: Direction,
-    ) -> Result<Self, ArgumentError> {
-        if !position.is_finite() {
-            return Err(ArgumentError::new("Surface", "position", position, "it must be finite"));
-        }
-        if !(outgoing.cos(normal) > 0.0) {
-            let rule = "it must be on the side of the normal";
-            return Err(ArgumentError::new("Surface", "outgoing", outgoing, rule));
-        }
-        Ok(Self { position, normal, outgoing, mirror: outgoing.reflected(normal) })
-    }
-
-    /// The point p.
-    #[must_use]
-    pub fn position(&self) -> DVec3 {
-        self.position
-    }
-
-    /// The normal.
-    #[must_use]
-    pub fn normal(&self) -> Direction {
-        self.normal
-    }
-
-    /// The direction ω_o towards the eye.
-    #[must_use]
-    pub fn outgoing(&self) -> Direction {
-        self.outgoing
-    }
-
-    /// The mirror direction of ω_o.
-    #[must_use]
-    pub fn mirror(&self) -> Direction {
-        self.mirror
-    }
-}
-
-/// A bidirectional scattering distribution function, f_r(p, ω_i, ω_o).
+/// A bidirectional scattering distribution function, f_r(p, ω_i, ω_o), and the lobes that sample it.
 ///
 /// The sum of two is the pair of them, `(diffuse, glossy)`.
 #[doc(alias("BRDF", "material"))]
-pub trait Bsdf: Sync {
+pub trait Bsdf: Debug + Send + Sync {
     /// Grey or colour.
     type Value: Spectrum;
 
@@ -75,10 +20,60 @@ pub trait Bsdf: Sync {
     /// surface.
     fn value(&self, surface: &Surface, incident: &Direction) -> Self::Value;
 
-    /// The techniques that sample the BSDF at `surface`, one a lobe, with pdfs per steradian.
+    /// How many lobes there are to sample, at least 1; at every surface as many.
+    fn lobes(&self) -> usize {
+        1
+    }
+
+    /// The direction of light that the two canonical numbers `xi` map to, from the lobe with this
+    /// number. It may be below the surface.
+    fn sample(&self, lobe: usize, surface: &Surface, xi: &[f64]) -> Direction;
+
+    /// The density of these samples of the lobe, per steradian.
+    fn pdf(&self, lobe: usize, surface: &Surface, incident: &Direction) -> f64;
+
+    /// The logarithm of the density, where that itself may underflow.
+    fn ln_pdf(&self, lobe: usize, surface: &Surface, incident: &Direction) -> f64 {
+        self.pdf(lobe, surface, incident).ln()
+    }
+
+    /// The lobes at `surface`, each a technique.
     ///
-    /// Samples may fall below the surface. They contribute 0 and count.
-    fn techniques(&self, surface: &Surface) -> Vec<Box<dyn Technique<Point = Direction>>>;
+    /// Samples below the surface contribute 0 and count.
+    fn techniques(&self, surface: &Surface) -> Vec<Lobe<'_, Self>>
+    where
+        Self: Sized,
+    {
+        (0..self.lobes()).map(|lobe| Lobe { bsdf: self, lobe, surface: *surface }).collect()
+    }
+}
+
+/// A lobe of a BSDF at a surface: the technique "sample the BSDF", per steradian.
+#[derive(Debug)]
+pub struct Lobe<'a, B: ?Sized> {
+    bsdf: &'a B,
+    lobe: usize,
+    surface: Surface,
+}
+
+impl<B: Bsdf + ?Sized> Technique for Lobe<'_, B> {
+    type Point = Direction;
+
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn sample(&self, xi: &[f64]) -> Direction {
+        self.bsdf.sample(self.lobe, &self.surface, xi)
+    }
+
+    fn pdf(&self, w: &Direction) -> f64 {
+        self.bsdf.pdf(self.lobe, &self.surface, w)
+    }
+
+    fn ln_pdf(&self, w: &Direction) -> f64 {
+        self.bsdf.ln_pdf(self.lobe, &self.surface, w)
+    }
 }
 
 impl<A: Bsdf, B: Bsdf<Value = A::Value>> Bsdf for (A, B) {
@@ -89,9 +84,28 @@ impl<A: Bsdf, B: Bsdf<Value = A::Value>> Bsdf for (A, B) {
         Self::Value::each(|channel| a.times(channel, 1.0) + b.times(channel, 1.0))
     }
 
-    fn techniques(&self, surface: &Surface) -> Vec<Box<dyn Technique<Point = Direction>>> {
-        let mut all = self.0.techniques(surface);
-        all.extend(self.1.techniques(surface));
-        all
+    fn lobes(&self) -> usize {
+        self.0.lobes() + self.1.lobes()
+    }
+
+    fn sample(&self, lobe: usize, surface: &Surface, xi: &[f64]) -> Direction {
+        match lobe.checked_sub(self.0.lobes()) {
+            None => self.0.sample(lobe, surface, xi),
+            Some(lobe) => self.1.sample(lobe, surface, xi),
+        }
+    }
+
+    fn pdf(&self, lobe: usize, surface: &Surface, incident: &Direction) -> f64 {
+        match lobe.checked_sub(self.0.lobes()) {
+            None => self.0.pdf(lobe, surface, incident),
+            Some(lobe) => self.1.pdf(lobe, surface, incident),
+        }
+    }
+
+    fn ln_pdf(&self, lobe: usize, surface: &Surface, incident: &Direction) -> f64 {
+        match lobe.checked_sub(self.0.lobes()) {
+            None => self.0.ln_pdf(lobe, surface, incident),
+            Some(lobe) => self.1.ln_pdf(lobe, surface, incident),
+        }
     }
 }

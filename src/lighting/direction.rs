@@ -65,6 +65,11 @@ impl Direction {
         0.5 * self.0.distance_squared(other.0)
     }
 
+    /// The direction the other way.
+    pub(super) fn opposite(self) -> Self {
+        Self(-self.0)
+    }
+
     /// The mirror image of this direction about `normal`: 2 cos(θ) n - ω.
     #[must_use]
     pub fn reflected(self, normal: Self) -> Self {

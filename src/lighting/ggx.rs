@@ -4,9 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use super::bsdf::{Bsdf, Surface};
+use super::bsdf::Bsdf;
 use super::direction::{Direction, Frame};
-use super::scene::{Spectrum, check_channels};
+use super::spectrum::{Spectrum, check_channels};
+use super::surface::Surface;
 use crate::error::ArgumentError;
 use crate::technique::{Technique, canonical};
 
@@ -83,7 +84,7 @@ impl GgxLobe {
     }
 
     fn at(surface: &Surface, facets: Microfacets) -> Self {
-        let frame = Frame::new(surface.normal());
+        let frame = *surface.frame();
         let outgoing = frame.local(surface.outgoing());
         let factor = 0.25 * facets.masking_over_cos(outgoing);
         Self { frame, facets, outgoing, factor }
@@ -168,8 +169,12 @@ impl<V: Spectrum> Bsdf for GgxConductor<V> {
         }
     }
 
-    fn techniques(&self, surface: &Surface) -> Vec<Box<dyn Technique<Point = Direction>>> {
-        vec![Box::new(GgxLobe::at(surface, self.facets))]
+    fn sample(&self, _: usize, surface: &Surface, xi: &[f64]) -> Direction {
+        GgxLobe::at(surface, self.facets).sample(xi)
+    }
+
+    fn pdf(&self, _: usize, surface: &Surface, incident: &Direction) -> f64 {
+        GgxLobe::at(surface, self.facets).pdf(incident)
     }
 }
 

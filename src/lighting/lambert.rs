@@ -2,9 +2,10 @@
 
 use std::f64::consts::FRAC_1_PI;
 
-use super::bsdf::{Bsdf, Surface};
+use super::bsdf::Bsdf;
 use super::direction::{Direction, Frame};
-use super::scene::{Spectrum, check_channels};
+use super::spectrum::{Spectrum, check_channels};
+use super::surface::Surface;
 use crate::error::ArgumentError;
 use crate::technique::{Technique, canonical};
 
@@ -81,7 +82,11 @@ impl<V: Spectrum> Bsdf for Lambert<V> {
         if incident.cos(surface.normal()) > 0.0 { self.albedo.scaled(FRAC_1_PI) } else { V::zero() }
     }
 
-    fn techniques(&self, surface: &Surface) -> Vec<Box<dyn Technique<Point = Direction>>> {
-        vec![Box::new(CosineHemisphere::new(surface.normal()))]
+    fn sample(&self, _: usize, surface: &Surface, xi: &[f64]) -> Direction {
+        CosineHemisphere { frame: *surface.frame() }.sample(xi)
+    }
+
+    fn pdf(&self, _: usize, surface: &Surface, incident: &Direction) -> f64 {
+        CosineHemisphere { frame: *surface.frame() }.pdf(incident)
     }
 }

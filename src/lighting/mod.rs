@@ -55,24 +55,33 @@
 mod bsdf;
 mod direction;
 mod ggx;
+mod incident;
 mod lambert;
+mod light;
 mod phong;
 mod piece;
+mod placed;
 mod rectangle;
 mod reflected;
 mod scene;
 mod shape;
+mod spectrum;
 mod sphere;
+mod surface;
 
-pub use bsdf::{Bsdf, Surface};
+pub use bsdf::{Bsdf, Lobe};
 pub use direction::Direction;
 pub use ggx::{GgxConductor, GgxLobe};
 /// The vector of three `f64` by which positions are given, of the crate `glam`.
 pub use glam::DVec3;
+pub use incident::Incident;
 pub use lambert::{CosineHemisphere, Lambert};
+pub use light::{Light, PointLight, SeenLight};
 pub use phong::{ModifiedPhong, PhongLobe};
 pub use rectangle::{Rectangle, SphericalRectangle};
 pub use reflected::ReflectedRadiance;
-pub use scene::{Incident, Light, Scene, SeenLight, Spectrum};
+pub use scene::Scene;
 pub use shape::{Shape, SolidAngle};
+pub use spectrum::Spectrum;
 pub use sphere::{Cone, Sphere};
+pub use surface::Surface;

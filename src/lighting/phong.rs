@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use super::bsdf::{Bsdf, Surface};
+use super::bsdf::Bsdf;
 use super::direction::{Direction, Frame};
-use super::scene::{Spectrum, check_channels};
+use super::spectrum::{Spectrum, check_channels};
+use super::surface::Surface;
 use crate::error::ArgumentError;
 use crate::technique::{Technique, canonical};
 
@@ -64,15 +65,11 @@ impl Technique for PhongLobe {
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
-        let lobe = ln_lobe(self.exponent, self.frame.axis, w).map_or(0.0, f64::exp);
-        (self.exponent + 1.0) / TAU * lobe
+        pdf(self.exponent, self.frame.axis, w)
     }
 
     fn ln_pdf(&self, w: &Direction) -> f64 {
-        match ln_lobe(self.exponent, self.frame.axis, w) {
-            Some(ln_lobe) => ((self.exponent + 1.0) / TAU).ln() + ln_lobe,
-            None => f64::NEG_INFINITY,
-        }
+        ln_pdf(self.exponent, self.frame.axis, w)
     }
 }
 
@@ -115,10 +112,27 @@ impl<V: Spectrum> Bsdf for ModifiedPhong<V> {
         }
     }
 
-    fn techniques(&self, surface: &Surface) -> Vec<Box<dyn Technique<Point = Direction>>> {
-        let frame = Frame::new(surface.mirror());
-        vec![Box::new(PhongLobe { frame, exponent: self.exponent })]
+    fn sample(&self, _: usize, surface: &Surface, xi: &[f64]) -> Direction {
+        PhongLobe { frame: Frame::new(surface.mirror()), exponent: self.exponent }.sample(xi)
     }
+
+    fn pdf(&self, _: usize, surface: &Surface, incident: &Direction) -> f64 {
+        pdf(self.exponent, surface.mirror(), incident)
+    }
+
+    fn ln_pdf(&self, _: usize, surface: &Surface, incident: &Direction) -> f64 {
+        ln_pdf(self.exponent, surface.mirror(), incident)
+    }
+}
+
+/// (n + 1) / (2π) cosⁿ α.
+fn pdf(exponent: f64, axis: Direction, w: &Direction) -> f64 {
+    ln_lobe(exponent, axis, w).map_or(0.0, |ln_lobe| (exponent + 1.0) / TAU * ln_lobe.exp())
+}
+
+fn ln_pdf(exponent: f64, axis: Direction, w: &Direction) -> f64 {
+    let ln_lobe = ln_lobe(exponent, axis, w);
+    ln_lobe.map_or(f64::NEG_INFINITY, |ln_lobe| ((exponent + 1.0) / TAU).ln() + ln_lobe)
 }
 
 /// ln cosⁿ α of the angle between `axis` and `w`, or `None` where α > 90°.

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::direction::Direction;
-use super::piece::{Interval, Piece};
+use super::piece::Piece;
+use super::placed::{InPlane, Placed};
 use crate::error::ArgumentError;
 use crate::technique::{Technique, canonical};
 
@@ -18,10 +19,6 @@ pub struct Rectangle {
 }
 
 const OWNER: &str = "Rectangle";
-
-/// The least height above the plane, in units of the largest length: the product of three such
-/// lengths is still a normal number.
-const LOWEST: f64 = 1e-100;
 
 /// The directions of two edges, made perpendicular to the rounding of a direction.
 fn axes(
@@ -74,6 +71,41 @@ impl Rectangle {
         Self::new(centre, half_x, half_y)
     }
 
+    /// The centre.
+    #[must_use]
+    pub fn centre(&self) -> DVec3 {
+        self.centre
+    }
+
+    /// The normal, x × y of the two vectors that it is made of.
+    #[must_use]
+    pub fn normal(&self) -> Direction {
+        Direction::from_unit(self.x.vector().cross(self.y.vector()))
+    }
+
+    /// The area of one side.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        let [x, y] = self.half;
+        4.0 * x * y
+    }
+
+    /// The unit vectors along the edges, and half the lengths of these.
+    pub(super) fn edges(&self) -> ([DVec3; 2], [f64; 2]) {
+        ([self.x.vector(), self.y.vector()], self.half)
+    }
+
+    /// The nearest point of the rectangle's plane.
+    pub(super) fn projected(&self, point: DVec3) -> DVec3 {
+        let normal = self.normal().vector();
+        point - normal * normal.dot(point - self.centre)
+    }
+
+    /// What `point` sees of the rectangle, if it is not in its plane.
+    pub(super) fn outline_from(&self, point: DVec3) -> Option<Placed> {
+        Placed::new(self, point).ok()
+    }
+
     /// The directions from `point` towards the rectangle, as a technique.
     ///
     /// # Errors
@@ -120,79 +152,25 @@ impl Rectangle {
 /// Spherical Rectangles*, Computer Graphics Forum 32(4), 2013. The form is this crate's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphericalRectangle {
-    /// The axes of the rectangle, and its normal away from the point.
-    axes: [DVec3; 3],
-    /// What lengths are given in.
-    unit: f64,
-    /// The distance of the plane.
-    height: f64,
+    placed: Placed,
     pieces: Vec<Piece>,
     solid_angle: f64,
-    /// Normals, inwards, of the planes through the point and an edge; then of the plane through
-    /// the point and parallel to the rectangle.
-    planes: [DVec3; 5],
-    nearest: f64,
-    farthest: f64,
 }
 
 impl SphericalRectangle {
     fn new(rectangle: &Rectangle, point: DVec3) -> Result<Self, ArgumentError> {
         let invalid = |rule: &'static str| ArgumentError::new(OWNER, "point", point, rule);
-        let (x, y) = (rectangle.x.vector(), rectangle.y.vector());
-        let z = x.cross(y);
-        let to_centre = rectangle.centre - point;
-        // What rounding of the positions and of z can make of a height of 0.
-        let [ax, ay] = [x.abs(), y.abs()];
-        let terms = DVec3::new(
-            ax.y * ay.z + ax.z * ay.y,
-            ax.z * ay.x + ax.x * ay.z,
-            ax.x * ay.y + ax.y * ay.x,
-        );
-        let rounding =
-            4.0 * f64::EPSILON * terms.dot(to_centre.abs() + point.abs() + rectangle.centre.abs());
-        // In a unit near the largest length, a power of 2, products of lengths stay in range.
-        let [half_x, half_y] = rectangle.half;
-        let largest = to_centre.abs().max_element().max(half_x).max(half_y);
-        let unit = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
-        let (to_centre, rounding) = (to_centre / unit, rounding / unit);
-        let offset = to_centre.dot(z);
-        let height = offset.abs();
-        let [u, v] = [
-            Interval::around(to_centre.dot(x), half_x / unit),
-            Interval::around(to_centre.dot(y), half_y / unit),
-        ];
-        let nearest = DVec3::new(u.nearest(), v.nearest(), height).length();
-        if !(height > rounding.max(8.0 * f64::EPSILON * nearest).max(LOWEST)) {
-            return Err(invalid("it must be finite and outside the rectangle's plane"));
-        }
+        let placed = Placed::new(rectangle, point)
+            .map_err(|InPlane| invalid("it must be finite and outside the rectangle's plane"))?;
         let mut pieces = Vec::with_capacity(4);
-        for u in u.same_signed() {
-            pieces.extend(v.same_signed().map(|v| Piece::new(u, v, height)));
+        for x in placed.x.same_signed() {
+            pieces.extend(placed.y.same_signed().map(|y| Piece::new(x, y, placed.height)));
         }
         let solid_angle: f64 = pieces.iter().map(Piece::solid_angle).sum();
         if !solid_angle.is_normal() {
             return Err(invalid("the rectangle's solid angle must be within the range of f64"));
         }
-        let axes = [x, y, z * offset.signum()];
-        let plane = |axis: DVec3, edge: f64, inwards: f64| {
-            inwards * (height * axis - edge * axes[2]) / height.hypot(edge)
-        };
-        Ok(Self {
-            axes,
-            unit,
-            height,
-            pieces,
-            solid_angle,
-            planes: [
-                plane(x, u.low, 1.0),
-                plane(x, u.high, -1.0),
-                plane(y, v.low, 1.0),
-                plane(y, v.high, -1.0),
-                axes[2],
-            ],
-            nearest,
-            farthest: DVec3::new(u.farthest(), v.farthest(), height).length(),
-        })
+        Ok(Self { placed, pieces, solid_angle })
     }
 
     /// The solid angle Ω in steradians.
@@ -201,20 +179,12 @@ impl SphericalRectangle {
         self.solid_angle
     }
 
-    fn contains(&self, w: &Direction) -> bool {
-        self.planes.iter().all(|n| n.dot(w.vector()) >= -4.0 * f64::EPSILON)
-    }
-
     /// The distance to the rectangle in the direction `w`, or `None` where it misses.
     ///
     /// It is a number exactly where [`pdf`](Technique::pdf) is positive.
     #[must_use]
     pub fn hit(&self, w: &Direction) -> Option<f64> {
-        self.contains(w).then(|| {
-            // At a grazing angle the cosine is mostly rounding; the distance stays in its range.
-            let cos = w.vector().dot(self.axes[2]).max(f64::MIN_POSITIVE);
-            self.unit * (self.height / cos).clamp(self.nearest, self.farthest)
-        })
+        self.placed.hit(w)
     }
 }
 
@@ -232,9 +202,7 @@ impl Technique for SphericalRectangle {
             let omega = piece.solid_angle();
             if remaining < omega || pieces.peek().is_none() {
                 let local = piece.point((remaining / omega).clamp(0.0, 1.0), canonical(xi, 1));
-                let local = local / local.length();
-                let [x, y, z] = self.axes;
-                return Direction::from_unit(local.x * x + local.y * y + local.z * z);
+                return self.placed.direction(local);
             }
             remaining -= omega;
         }
@@ -242,6 +210,6 @@ impl Technique for SphericalRectangle {
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
-        if self.contains(w) { self.solid_angle.recip() } else { 0.0 }
+        if self.placed.contains(w) { self.solid_angle.recip() } else { 0.0 }
     }
 }

@@ -1,130 +1,42 @@
-//! Lights and occluders, and the radiance that arrives at a point.
+//! Lights, surfaces, and what casts shadows.
+
+use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::direction::Direction;
-use super::shape::{Shape, SolidAngle};
+use super::bsdf::Bsdf;
+use super::direction::{Direction, length};
+use super::incident::{Incident, Ray};
+use super::light::{Light, PointLight};
+use super::rectangle::Rectangle;
+use super::shape::{Outline, Shape};
+use super::spectrum::Spectrum;
+use super::surface::Surface;
 use crate::error::ArgumentError;
-use crate::integrand::Value;
-use crate::technique::Technique;
 
-/// A grey value or one of `K` colour channels: `f64` or `[f64; K]`.
-pub trait Spectrum: Value<Each<f64> = Self> + Copy + Send + Sync {
-    /// The product, channel by channel, times `factor`.
-    #[must_use]
-    fn scaled_product(&self, other: &Self, factor: f64) -> Self {
-        Self::each(|channel| self.times(channel, other.times(channel, factor)))
-    }
-
-    /// Every channel times `factor`.
-    #[must_use]
-    fn scaled(&self, factor: f64) -> Self {
-        Self::each(|channel| self.times(channel, factor))
-    }
-}
-
-impl<V: Value<Each<f64> = V> + Copy + Send + Sync> Spectrum for V {}
-
-/// Checks every channel of `value` against `lower..=upper`.
-pub(super) fn check_channels<V: Spectrum>(
-    owner: &'static str,
-    argument: &'static str,
-    value: &V,
-    upper: f64,
-    rule: &'static str,
-) -> Result<(), ArgumentError> {
-    let valid =
-        (0..V::COMPONENTS).all(|channel| (0.0..=upper).contains(&value.times(channel, 1.0)));
-    if valid { Ok(()) } else { Err(ArgumentError::new(owner, argument, value, rule)) }
-}
-
-/// A shape that emits the same radiance from every point of its surface, in every direction.
+/// Lights, surfaces that reflect them, and what casts shadows.
 ///
-/// A rectangle emits from both sides. A sphere does too: within it, the radiance arrives from
-/// everywhere.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Light<V> {
-    shape: Shape,
-    radiance: V,
-}
-
-impl<V: Spectrum> Light<V> {
-    /// The light of this `shape` that emits `radiance`, in W / (m² sr) or any unit of the user's.
-    ///
-    /// # Errors
-    ///
-    /// Every channel of `radiance` must be finite and at least 0.
-    pub fn new(shape: impl Into<Shape>, radiance: V) -> Result<Self, ArgumentError> {
-        let rule = "every channel must be finite and at least 0";
-        check_channels("Light", "radiance", &radiance, f64::MAX, rule)?;
-        Ok(Self { shape: shape.into(), radiance })
-    }
-
-    /// The light as it is seen from `point`.
-    ///
-    /// # Errors
-    ///
-    /// As [`Shape::seen_from`].
-    pub fn seen_from(&self, point: DVec3) -> Result<SeenLight<V>, ArgumentError> {
-        let directions = self.shape.seen_from(point)?;
-        Ok(SeenLight { directions, radiance: self.radiance })
-    }
-}
-
-/// A light seen from a point: the technique "sample the light", per steradian.
-///
-/// A sample is a direction towards the light, uniform in its solid angle.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SeenLight<V> {
-    directions: SolidAngle,
-    radiance: V,
-}
-
-impl<V: Spectrum> SeenLight<V> {
-    /// The emitted radiance that arrives from the direction `w` if nothing is in the way: 0 where
-    /// `w` misses the light.
-    #[must_use]
-    pub fn emitted(&self, w: &Direction) -> V {
-        if self.directions.hit(w).is_some() { self.radiance } else { V::zero() }
-    }
-
-    /// The directions towards the light.
-    #[must_use]
-    pub fn directions(&self) -> &SolidAngle {
-        &self.directions
-    }
-}
-
-impl<V: Spectrum> Technique for SeenLight<V> {
-    type Point = Direction;
-
-    fn dimension(&self) -> usize {
-        self.directions.dimension()
-    }
-
-    fn sample(&self, xi: &[f64]) -> Direction {
-        self.directions.sample(xi)
-    }
-
-    fn pdf(&self, w: &Direction) -> f64 {
-        self.directions.pdf(w)
-    }
-}
-
-/// Lights, and what casts shadows.
-///
-/// Lights hide one another; occluders hide lights. Empty space elsewhere is black.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// Lights hide one another; surfaces and occluders hide lights. Empty space elsewhere is black.
+#[derive(Debug, Clone)]
 pub struct Scene<V> {
     lights: Vec<Light<V>>,
+    point_lights: Vec<PointLight<V>>,
+    surfaces: Vec<(Rectangle, Arc<dyn Bsdf<Value = V>>)>,
     occluders: Vec<Shape>,
+}
+
+impl<V> Default for Scene<V> {
+    fn default() -> Self {
+        let (lights, point_lights) = (Vec::new(), Vec::new());
+        Self { lights, point_lights, surfaces: Vec::new(), occluders: Vec::new() }
+    }
 }
 
 impl<V: Spectrum> Scene<V> {
     /// The scene with nothing in it.
     #[must_use]
     pub fn new() -> Self {
-        Self { lights: Vec::new(), occluders: Vec::new() }
+        Self::default()
     }
 
     /// With one more light.
@@ -134,9 +46,23 @@ impl<V: Spectrum> Scene<V> {
         self
     }
 
-    /// With one more shape that casts shadows and emits nothing.
+    /// With one more light that has no size.
+    #[must_use]
+    pub fn point_light(mut self, light: PointLight<V>) -> Self {
+        self.point_lights.push(light);
+        self
+    }
+
+    /// With one more surface, which reflects by `bsdf` on both sides, and casts shadows.
+    #[must_use]
+    pub fn surface(mut self, rectangle: Rectangle, bsdf: impl Bsdf<Value = V> + 'static) -> Self {
+        self.surfaces.push((rectangle, Arc::new(bsdf)));
+        self
+    }
+
+    /// With one more shape that casts shadows; it is black.
     ///
-    /// A surface does not shadow a point on itself, except where a direction leads into a sphere. A
+    /// A shape does not shadow a point on itself, except where a direction leads into a sphere. A
     /// point is on it if it is to a few roundings of the coordinates; one that was computed along a
     /// ray from far away may have lost more digits, and lie below.
     #[must_use]
@@ -145,65 +71,125 @@ impl<V: Spectrum> Scene<V> {
         self
     }
 
+    /// The lights that have a size.
+    #[must_use]
+    pub fn lights(&self) -> &[Light<V>] {
+        &self.lights
+    }
+
     /// The radiance that arrives at `point`.
     ///
     /// # Errors
     ///
-    /// `point` must be finite.
+    /// `point` must be finite, and not the position of a point light.
     pub fn seen_from(&self, point: DVec3) -> Result<Incident<V>, ArgumentError> {
+        self.seen_from_surface(point, None)
+    }
+
+    /// The radiance that arrives at a point, which is on the surface with this number if there is one.
+    pub(super) fn seen_from_surface(
+        &self,
+        point: DVec3,
+        surface: Option<usize>,
+    ) -> Result<Incident<V>, ArgumentError> {
         if !point.is_finite() {
             return Err(ArgumentError::new("Scene", "point", point, "it must be finite"));
         }
         // What fills no solid angle neither lights nor shadows the point.
-        Ok(Incident {
-            lights: self.lights.iter().filter_map(|light| light.seen_from(point).ok()).collect(),
-            occluders: self.occluders.iter().filter_map(|s| s.seen_from(point).ok()).collect(),
-        })
-    }
-}
-
-/// The radiance L_i(p, ω) that arrives at a point p.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Incident<V> {
-    lights: Vec<SeenLight<V>>,
-    occluders: Vec<SolidAngle>,
-}
-
-impl<V: Spectrum> Incident<V> {
-    /// The lights, each a technique of its own: those that fill a solid angle, in the order of the
-    /// scene.
-    #[must_use]
-    pub fn lights(&self) -> &[SeenLight<V>] {
-        &self.lights
-    }
-
-    /// The radiance that arrives from the direction `w`: that of the nearest light, 0 where there
-    /// is none or where an occluder is nearer.
-    #[must_use]
-    pub fn radiance(&self, w: &Direction) -> V {
-        self.source(w).unwrap_or_else(V::zero)
-    }
-
-    pub(super) fn source(&self, w: &Direction) -> Option<V> {
-        let mut nearest: Option<(f64, V)> = None;
-        for light in &self.lights {
-            if let Some(distance) = light.directions.hit(w)
-                && nearest.is_none_or(|(least, _)| distance < least)
-            {
-                nearest = Some((distance, light.radiance));
+        let (mut lights, mut occluders) = (Vec::with_capacity(self.lights.len()), Vec::new());
+        for (number, light) in self.lights.iter().enumerate() {
+            if light.is_behind(point) {
+                occluders.extend(light.shape().outline_from(point));
+            } else if let Ok(mut seen) = light.seen_from(point) {
+                seen.number = number;
+                lights.push(seen);
             }
         }
-        let (distance, radiance) = nearest?;
-        let visible = !self.occluded(w, distance);
-        visible.then_some(radiance)
+        let others = (0..).zip(&self.surfaces).filter(|(number, _)| Some(*number) != surface);
+        let outlines = others.filter_map(|(_, (rectangle, _))| rectangle.outline_from(point));
+        occluders.extend(outlines.map(Outline::Rectangle));
+        occluders.extend(self.occluders.iter().filter_map(|shape| shape.outline_from(point)));
+        let rays = self.point_lights.iter().map(|light| {
+            let to_light = light.position() - point;
+            let distance = length(to_light);
+            let direction = Direction::new(to_light).map_err(|_| {
+                let rule = "it must not be the position of a point light";
+                ArgumentError::new("Scene", "point", point, rule)
+            })?;
+            let flux = light.intensity().scaled(1.0 / distance).scaled(1.0 / distance);
+            Ok(Ray { direction, distance, flux })
+        });
+        let point_lights = rays.collect::<Result<_, ArgumentError>>()?;
+        Ok(Incident { lights, point_lights, occluders })
     }
 
-    /// Whether an occluder is met in the direction `w` within `distance`.
-    ///
-    /// What touches the far end, to 1 part in 10⁹, is not met: a light may lie on a wall.
-    #[must_use]
-    pub fn occluded(&self, w: &Direction, distance: f64) -> bool {
-        let limit = distance * (1.0 - 1e-9);
-        self.occluders.iter().any(|shape| shape.hit(w).is_some_and(|t| t < limit))
+    /// The scene as it is seen from an eye at `point`.
+    pub(super) fn view_from(&self, point: DVec3) -> View<'_, V> {
+        let lights = self.lights.iter().filter_map(|light| {
+            let radiance = if light.is_behind(point) { V::zero() } else { light.radiance() };
+            Some((light.shape().outline_from(point)?, Met::Light(radiance)))
+        });
+        let surfaces = self.surfaces.iter().enumerate().filter_map(|(number, (rectangle, _))| {
+            Some((Outline::Rectangle(rectangle.outline_from(point)?), Met::Surface(number)))
+        });
+        let occluders = self
+            .occluders
+            .iter()
+            .filter_map(|shape| Some((shape.outline_from(point)?, Met::Light(V::zero()))));
+        View { scene: self, eye: point, shapes: lights.chain(surfaces).chain(occluders).collect() }
+    }
+}
+
+/// A scene as it is seen from an eye.
+#[derive(Debug)]
+pub(super) struct View<'a, V> {
+    scene: &'a Scene<V>,
+    eye: DVec3,
+    shapes: Vec<(Outline, Met<V>)>,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Met<V> {
+    /// The emitted radiance.
+    Light(V),
+    Surface(usize),
+}
+
+/// What is seen in a direction.
+pub(super) enum Seen<'a, V> {
+    /// This radiance, without any reflection.
+    Emitted(V),
+    /// A point of a surface.
+    Surface { surface: Surface, bsdf: &'a dyn Bsdf<Value = V>, number: usize },
+}
+
+impl<'a, V: Spectrum> View<'a, V> {
+    /// What is nearest in the direction `w`.
+    pub(super) fn along(&self, w: &Direction) -> Seen<'a, V> {
+        let mut nearest: Option<(f64, &Met<V>)> = None;
+        for (outline, met) in &self.shapes {
+            if let Some(distance) = outline.hit(w)
+                && nearest.is_none_or(|(least, _)| distance < least)
+            {
+                nearest = Some((distance, met));
+            }
+        }
+        match nearest {
+            None => Seen::Emitted(V::zero()),
+            Some((_, Met::Light(radiance))) => Seen::Emitted(*radiance),
+            Some((distance, Met::Surface(number))) => self.surface(*number, distance, w),
+        }
+    }
+
+    fn surface(&self, number: usize, distance: f64, w: &Direction) -> Seen<'a, V> {
+        let Some((rectangle, bsdf)) = self.scene.surfaces.get(number) else {
+            return Seen::Emitted(V::zero());
+        };
+        let outgoing = Direction::from_unit(-w.vector());
+        let normal = rectangle.normal();
+        let normal = if outgoing.cos(normal) < 0.0 { normal.opposite() } else { normal };
+        let position = rectangle.projected(self.eye + distance * w.vector());
+        let surface = Surface::seen(position, normal, outgoing);
+        Seen::Surface { surface, bsdf: &**bsdf, number }
     }
 }

@@ -1,8 +1,11 @@
 //! The shapes of lights and occluders, and the directions towards one.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 
 use super::direction::Direction;
+use super::placed::Placed;
 use super::rectangle::{Rectangle, SphericalRectangle};
 use super::sphere::{Cone, Sphere};
 use crate::error::ArgumentError;
@@ -19,6 +22,32 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// The centre.
+    #[must_use]
+    pub fn centre(&self) -> DVec3 {
+        match self {
+            Self::Sphere(sphere) => sphere.centre(),
+            Self::Rectangle(rectangle) => rectangle.centre(),
+        }
+    }
+
+    /// The area of the surface; of both sides of a rectangle.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        match self {
+            Self::Sphere(sphere) => 2.0 * TAU * sphere.radius() * sphere.radius(),
+            Self::Rectangle(rectangle) => 2.0 * rectangle.area(),
+        }
+    }
+
+    /// What `point` sees of the shape, if it fills a solid angle.
+    pub(super) fn outline_from(&self, point: DVec3) -> Option<Outline> {
+        match self {
+            Self::Sphere(sphere) => sphere.seen_from(point).ok().map(Outline::Sphere),
+            Self::Rectangle(rectangle) => rectangle.outline_from(point).map(Outline::Rectangle),
+        }
+    }
+
     /// The directions from `point` towards the shape, as a technique.
     ///
     /// # Errors
@@ -42,6 +71,23 @@ impl From<Sphere> for Shape {
 impl From<Rectangle> for Shape {
     fn from(rectangle: Rectangle) -> Self {
         Self::Rectangle(rectangle)
+    }
+}
+
+/// Where a shape is, as a point sees it: no more than what hides others needs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Outline {
+    Sphere(Cone),
+    Rectangle(Placed),
+}
+
+impl Outline {
+    /// The distance to the shape in the direction `w`, or `None` where it misses.
+    pub(super) fn hit(&self, w: &Direction) -> Option<f64> {
+        match self {
+            Self::Sphere(cone) => cone.hit(w),
+            Self::Rectangle(placed) => placed.hit(w),
+        }
     }
 }
 

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use crate::common::canonical_numbers;
 use crate::support::{alone, assert_close, assert_unbiased, direction, horizontal, sphere_light};
 use mis::lighting::{
-    Bsdf, DVec3, Direction, Lambert, Light, ModifiedPhong, PhongLobe, Rectangle, ReflectedRadiance,
-    Sphere, Surface,
+    Bsdf, CosineHemisphere, DVec3, Direction, Lambert, Light, ModifiedPhong, PhongLobe, Rectangle,
+    ReflectedRadiance, Sphere, Surface,
 };
 use mis::{Estimator, Integrand, MultiSample, Technique};
 
@@ -100,8 +100,12 @@ impl Bsdf for Translucent {
         1.0
     }
 
-    fn techniques(&self, _: &Surface) -> Vec<Box<dyn Technique<Point = Direction>>> {
-        Vec::new()
+    fn sample(&self, _: usize, surface: &Surface, xi: &[f64]) -> Direction {
+        CosineHemisphere::new(surface.normal()).sample(xi)
+    }
+
+    fn pdf(&self, _: usize, surface: &Surface, w: &Direction) -> f64 {
+        CosineHemisphere::new(surface.normal()).pdf(w)
     }
 }
 

@@ -3,7 +3,8 @@
 use crate::common::canonical_numbers;
 use crate::support::{assert_close, direction, horizontal, sphere_light};
 use mis::lighting::{
-    Bsdf, DVec3, Direction, Incident, ModifiedPhong, ReflectedRadiance, Scene, SeenLight, Surface,
+    Bsdf, DVec3, Direction, Incident, Lobe, ModifiedPhong, ReflectedRadiance, Scene, SeenLight,
+    Surface,
 };
 use mis::points::Replay;
 use mis::{Estimator, MultiSample, OneSample, Technique};
@@ -32,7 +33,7 @@ impl Setting {
         &self.incident.lights()[0]
     }
 
-    fn lobe(&self) -> Box<dyn Technique<Point = Direction>> {
+    fn lobe(&self) -> Lobe<'_, ModifiedPhong<f64>> {
         self.bsdf.techniques(&self.surface).remove(0)
     }
 

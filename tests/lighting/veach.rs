@@ -7,8 +7,8 @@
 use crate::common::quadrature::gauss;
 use crate::support::assert_close;
 use mis::lighting::{
-    Bsdf, DVec3, Direction, Light, ModifiedPhong, ReflectedRadiance, Scene, SeenLight, Sphere,
-    Surface,
+    Bsdf, DVec3, Direction, Light, Lobe, ModifiedPhong, ReflectedRadiance, Scene, SeenLight,
+    Sphere, Surface,
 };
 use mis::weighting::{Balance, Constant, Power, Weighting, weights};
 use mis::{Controls, Estimator, Fit, Integrand, MultiSample, OptimalMis, Technique};
@@ -84,7 +84,7 @@ impl Cell {
         &self.incident.lights()[0]
     }
 
-    fn lobe(&self) -> Box<dyn Technique<Point = Direction>> {
+    fn lobe(&self) -> Lobe<'_, ModifiedPhong<f64>> {
         self.bsdf.techniques(&self.surface).remove(0)
     }
 

@@ -2,7 +2,7 @@
 
 use mis::Integrand;
 use mis::lighting::{
-    Bsdf, DVec3, Direction, Light, ModifiedPhong, ReflectedRadiance, Scene, Sphere, Surface,
+    DVec3, Direction, Light, ModifiedPhong, PhongLobe, ReflectedRadiance, Scene, Sphere, Surface,
 };
 
 use crate::problems::{Problem, one, problem};
@@ -30,8 +30,8 @@ fn point(
     let incident = Scene::new().light(light).seen_from(position).unwrap();
     let bsdf = ModifiedPhong::new(1.0, exponent).unwrap();
     let seen = incident.lights()[0].clone();
-    let lobe = bsdf.techniques(&surface).remove(0);
-    problem(name, vec![one(seen), Box::leak(lobe)], Some(vec![integral]), move |w: &Direction| {
+    let lobe = PhongLobe::new(surface.mirror(), exponent).unwrap();
+    problem(name, vec![one(seen), one(lobe)], Some(vec![integral]), move |w: &Direction| {
         ReflectedRadiance::new(&incident, surface, &bsdf).eval(w)
     })
 }

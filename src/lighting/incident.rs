@@ -1,0 +1,82 @@
+//! The radiance that arrives at a point.
+
+use super::direction::Direction;
+use super::light::SeenLight;
+use super::shape::Outline;
+use super::spectrum::Spectrum;
+
+/// The radiance L_i(p, ω) that arrives at a point p.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Incident<V> {
+    pub(super) lights: Vec<SeenLight<V>>,
+    pub(super) point_lights: Vec<Ray<V>>,
+    pub(super) occluders: Vec<Outline>,
+}
+
+/// What arrives from a point light if nothing is in the way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ray<V> {
+    pub(super) direction: Direction,
+    pub(super) distance: f64,
+    /// The power per area across the direction: the intensity over the squared distance.
+    pub(super) flux: V,
+}
+
+impl<V: Spectrum> Incident<V> {
+    /// The lights, each a technique of its own: those that fill a solid angle, in the order of the
+    /// scene.
+    #[must_use]
+    pub fn lights(&self) -> &[SeenLight<V>] {
+        &self.lights
+    }
+
+    /// The light with this number in the scene, if it fills a solid angle.
+    pub(super) fn numbered(&self, number: usize) -> Option<&SeenLight<V>> {
+        // Lights before it may be missing.
+        let place = self.lights.get(number).filter(|light| light.number == number);
+        place.or_else(|| self.lights.iter().find(|light| light.number == number))
+    }
+
+    /// The radiance that arrives from the direction `w`: that of the nearest light, 0 where there
+    /// is none or where an occluder is nearer.
+    #[must_use]
+    pub fn radiance(&self, w: &Direction) -> V {
+        self.source(w).unwrap_or_else(V::zero)
+    }
+
+    pub(super) fn source(&self, w: &Direction) -> Option<V> {
+        let (distance, radiance) = self.nearest(w)?;
+        let visible = !self.occluded(w, distance);
+        visible.then_some(radiance)
+    }
+
+    /// The distance of the nearest light in the direction `w`, and its radiance.
+    pub(super) fn nearest(&self, w: &Direction) -> Option<(f64, V)> {
+        let mut nearest: Option<(f64, V)> = None;
+        for light in &self.lights {
+            if let Some(distance) = light.directions().hit(w)
+                && nearest.is_none_or(|(least, _)| distance < least)
+            {
+                nearest = Some((distance, light.radiance));
+            }
+        }
+        nearest
+    }
+
+    /// Whether an occluder is met in the direction `w` within `distance`.
+    ///
+    /// What touches the far end, to 1 part in 10⁹, is not met: a light may lie on a wall.
+    #[must_use]
+    pub fn occluded(&self, w: &Direction, distance: f64) -> bool {
+        let limit = distance * (1.0 - 1e-9);
+        self.occluders.iter().any(|shape| shape.hit(w).is_some_and(|t| t < limit))
+    }
+
+    /// The point lights that nothing hides, neither an occluder nor another light.
+    pub(super) fn visible_point_lights(&self) -> impl Iterator<Item = &Ray<V>> {
+        self.point_lights.iter().filter(|Ray { direction, distance, .. }| {
+            let hidden = self.nearest(direction).is_some_and(|(near, _)| near < *distance);
+            !hidden && !self.occluded(direction, *distance)
+        })
+    }
+}
