@@ -53,6 +53,7 @@
 //! [`Direction`]). Lights emit the same radiance everywhere; surfaces are opaque.
 
 mod bsdf;
+mod camera;
 mod direction;
 mod ggx;
 mod incident;
@@ -63,6 +64,7 @@ mod piece;
 mod placed;
 mod rectangle;
 mod reflected;
+mod render;
 mod scene;
 mod shape;
 mod spectrum;
@@ -70,6 +72,7 @@ mod sphere;
 mod surface;
 
 pub use bsdf::{Bsdf, Lobe};
+pub use camera::Camera;
 pub use direction::Direction;
 pub use ggx::{GgxConductor, GgxLobe};
 /// The vector of three `f64` by which positions are given, of the crate `glam`.
@@ -80,6 +83,7 @@ pub use light::{Light, PointLight, SeenLight};
 pub use phong::{ModifiedPhong, PhongLobe};
 pub use rectangle::{Rectangle, SphericalRectangle};
 pub use reflected::ReflectedRadiance;
+pub use render::{Combination, LightChoice, Picture, Pixel, RenderError, Renderer};
 pub use scene::Scene;
 pub use shape::{Shape, SolidAngle};
 pub use spectrum::Spectrum;

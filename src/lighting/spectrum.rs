@@ -17,6 +17,12 @@ pub trait Spectrum: Value<Each<f64> = Self> + Copy + Send + Sync {
         Self::each(|channel| self.times(channel, 1.0) + other.times(channel, 1.0))
     }
 
+    /// The sum of the channels.
+    #[must_use]
+    fn total(&self) -> f64 {
+        (0..Self::COMPONENTS).map(|channel| self.times(channel, 1.0)).sum()
+    }
+
     /// Every channel times `factor`.
     #[must_use]
     fn scaled(&self, factor: f64) -> Self {

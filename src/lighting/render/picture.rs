@@ -1,0 +1,132 @@
+//! Pictures: the radiances of pixels, with their errors.
+
+use crate::lighting::spectrum::Spectrum;
+
+/// The radiance of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pixel<V> {
+    pub(super) rays: u64,
+    pub(super) mean: V,
+    /// The sum of the squared deviations of single rays from the mean.
+    pub(super) squares: V,
+    /// Sums, over the rays and the channels, of what samples of the lights and of the BSDF contribute.
+    pub(super) parts: [f64; 2],
+}
+
+impl<V: Spectrum> Pixel<V> {
+    pub(super) fn empty() -> Self {
+        Self { rays: 0, mean: V::zero(), squares: V::zero(), parts: [0.0; 2] }
+    }
+
+    /// Adds a ray.
+    pub(super) fn push(&mut self, radiance: &V, parts: [f64; 2]) {
+        let one = Self { rays: 1, mean: *radiance, squares: V::zero(), parts };
+        *self = self.merge(&one);
+    }
+
+    /// This and the rays of `other`.
+    ///
+    /// Source: T. F. Chan, G. H. Golub and R. J. `LeVeque`, *Updating Formulae and a Pairwise Algorithm
+    /// for Computing Sample Variances*, 1979.
+    pub(super) fn merge(&self, other: &Self) -> Self {
+        let (n, m) = (self.rays as f64, other.rays as f64);
+        let rays = self.rays + other.rays;
+        if self.rays == 0 || other.rays == 0 {
+            return if self.rays == 0 { *other } else { *self };
+        }
+        let part = m / (n + m);
+        let delta = V::each(|c| other.mean.times(c, 1.0) - self.mean.times(c, 1.0));
+        let mean = self.mean.plus(&delta.scaled(part));
+        let between = delta.scaled_product(&delta, n * part);
+        let squares = self.squares.plus(&other.squares).plus(&between);
+        let parts = [0, 1].map(|k| self.parts[k] + other.parts[k]);
+        Self { rays, mean, squares, parts }
+    }
+
+    /// The mean radiance over the pixel.
+    #[must_use]
+    pub fn value(&self) -> V {
+        self.mean
+    }
+
+    /// The standard error of each channel; `None` of a single ray.
+    #[must_use]
+    pub fn standard_error(&self) -> Option<V> {
+        let n = self.rays as f64;
+        let error = |c| (self.squares.times(c, 1.0) / (n * (n - 1.0))).sqrt();
+        (self.rays > 1).then(|| V::each(error))
+    }
+
+    /// How many rays of the camera there were.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.rays
+    }
+
+    /// The part of the sampled radiance, over all channels, that samples of the lights contribute, under
+    /// their weights; that of the BSDF is the rest. `None` where nothing was sampled but 0, and under
+    /// optimal weights, which may be negative.
+    #[must_use]
+    pub fn light_share(&self) -> Option<f64> {
+        let [light, bsdf] = self.parts;
+        (light + bsdf > 0.0).then(|| light / (light + bsdf))
+    }
+}
+
+/// A rectangle of pixels, row by row from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture<V> {
+    width: usize,
+    pixels: Vec<Pixel<V>>,
+}
+
+impl<V: Spectrum> Picture<V> {
+    pub(super) fn new(width: usize, pixels: Vec<Pixel<V>>) -> Self {
+        Self { width, pixels }
+    }
+
+    /// The pixels in a row.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.pixels.len() / self.width.max(1)
+    }
+
+    /// All pixels, row by row from the top, each from the left.
+    #[must_use]
+    pub fn pixels(&self) -> &[Pixel<V>] {
+        &self.pixels
+    }
+
+    /// The pixel in a column and a row, counted from the left and from the top of the picture; `None`
+    /// beyond its edges.
+    #[must_use]
+    pub fn pixel(&self, column: usize, row: usize) -> Option<&Pixel<V>> {
+        let inside = column < self.width;
+        inside.then(|| self.pixels.get(row * self.width + column)).flatten()
+    }
+
+    /// The mean radiance over the picture.
+    #[must_use]
+    pub fn mean(&self) -> V {
+        let sum = self.pixels.iter().fold(V::zero(), |sum, pixel| sum.plus(&pixel.mean));
+        sum.scaled(1.0 / self.pixels.len() as f64)
+    }
+
+    /// The standard error of [`mean`](Picture::mean); `None` of pixels with a single ray.
+    #[must_use]
+    pub fn standard_error_of_mean(&self) -> Option<V> {
+        let squares = self.pixels.iter().map(|pixel| {
+            let error = pixel.standard_error()?;
+            Some(error.scaled_product(&error, 1.0))
+        });
+        let sum = squares.reduce(|a, b| Some(a?.plus(&b?)))??;
+        let n = self.pixels.len() as f64;
+        Some(V::each(|c| sum.times(c, 1.0).sqrt() / n))
+    }
+}

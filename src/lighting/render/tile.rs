@@ -1,0 +1,244 @@
+//! Tiles: the rays of a few pixels, sampled together.
+
+use super::numbers::Numbers;
+use super::path::{End, FromBsdf, Path, Radiance, ToLight};
+use super::picture::Pixel;
+use super::{Combination, LightChoice, RenderError, Renderer};
+use crate::lighting::reflected::ReflectedRadiance;
+use crate::lighting::scene::{Seen, View};
+use crate::lighting::spectrum::Spectrum;
+use crate::points::{PointSource, Random};
+use crate::technique::{Mixture, Technique};
+use crate::weighting::{Constant, Maximum, Power};
+use crate::{
+    ArgumentError, Estimate, EstimateError, Estimator, MultiSample, OneSample, OptimalMis, Sample,
+};
+
+/// How many rays are sampled together: what is known of their ends fits the second-level cache.
+const RAYS: u64 = 128;
+
+/// The most rays of a pixel in a strip; optimal weights are fitted to so many.
+const MOST_RAYS: u64 = 4096;
+
+/// About so many rays are a worker's task.
+const TASK: u64 = 2048;
+
+/// The stream of the positions on the film; those of the techniques are the first ones.
+const FILM: usize = usize::MAX;
+
+/// Some rays of each of some consecutive pixels in a row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Strip {
+    pub(super) row: u32,
+    pub(super) column: u32,
+    pub(super) pixels: u32,
+    /// The first ray of each pixel.
+    pub(super) first: u64,
+    pub(super) rays: u64,
+}
+
+impl Strip {
+    /// All strips of a window with so many rays for each pixel. Those of one pixel follow each other.
+    pub(super) fn all(
+        columns: std::ops::Range<u32>,
+        rows: std::ops::Range<u32>,
+        rays: u64,
+    ) -> Vec<Self> {
+        let wide = u32::try_from(TASK.div_ceil(rays)).unwrap_or(u32::MAX);
+        let mut strips = Vec::new();
+        for row in rows {
+            for column in columns.clone().step_by(wide as usize) {
+                let pixels = wide.min(columns.end - column);
+                for first in (0..rays).step_by(MOST_RAYS as usize) {
+                    let rays = MOST_RAYS.min(rays - first);
+                    strips.push(Self { row, column, pixels, first, rays });
+                }
+            }
+        }
+        strips
+    }
+}
+
+/// The renderer at work: what is the same for all tiles.
+pub(super) struct Worker<'a, V> {
+    renderer: &'a Renderer<'a, V>,
+    view: View<'a, V>,
+    random: Random,
+    /// The probabilities of the lights, where they are one technique.
+    probabilities: Vec<f64>,
+}
+
+/// The rays of a tile, with what they meet.
+struct Rays<'a, V> {
+    /// The number of the first one in the picture.
+    first: u64,
+    ends: Vec<End<'a, V>>,
+}
+
+/// What the samples at one ray add up to.
+#[derive(Clone)]
+struct Sum<V> {
+    radiance: V,
+    parts: [f64; 2],
+}
+
+impl<'a, V: Spectrum> Worker<'a, V> {
+    pub(super) fn new(renderer: &'a Renderer<'a, V>, seed: u64) -> Self {
+        let view = renderer.scene.view_from(renderer.camera.eye());
+        let probabilities = renderer.light_probabilities();
+        Self { renderer, view, random: Random::new(seed), probabilities }
+    }
+
+    /// The pixels of a strip.
+    pub(super) fn strip(&self, strip: &Strip) -> Result<Vec<Pixel<V>>, RenderError> {
+        let mut pixels = vec![Pixel::empty(); strip.pixels as usize];
+        // Some pixels at a time, or some rays of one.
+        let (wide, deep) = if self.renderer.combination == Combination::Optimal {
+            (1, strip.rays)
+        } else {
+            (usize::try_from(RAYS / strip.rays).unwrap_or(1).max(1), RAYS.min(strip.rays))
+        };
+        for (pixels, column) in pixels.chunks_mut(wide).zip((strip.column..).step_by(wide)) {
+            for first in (0..strip.rays).step_by(deep as usize) {
+                let rays = deep.min(strip.rays - first);
+                let rays =
+                    self.rays(strip.row, column, pixels.len() as u64, (strip.first + first, rays))?;
+                self.sample(&rays, pixels)?;
+            }
+        }
+        Ok(pixels)
+    }
+
+    /// Some rays of each of some pixels.
+    fn rays(
+        &self,
+        row: u32,
+        column: u32,
+        pixels: u64,
+        (first, count): (u64, u64),
+    ) -> Result<Rays<'a, V>, RenderError> {
+        let camera = self.renderer.camera;
+        let pixel = u64::from(row) * u64::from(camera.width()) + u64::from(column);
+        // Where there are several pixels, these are all their rays.
+        let first = pixel * self.renderer.rays + first;
+        let mut film = vec![0.0; 2 * (pixels * count) as usize];
+        self.random.fill(FILM, first, 2, &mut film).map_err(EstimateError::from)?;
+        let ends = film.as_chunks::<2>().0.iter().zip(0..).map(|([x, y], number)| {
+            let column = u64::from(column) + number / count;
+            let w = camera.direction(column as f64 + x, f64::from(row) + y);
+            Ok(match self.view.along(&w) {
+                Seen::Emitted(radiance) => End::Emitted(radiance),
+                Seen::Surface { surface, bsdf, number } => {
+                    let scene = self.renderer.scene;
+                    let incident = scene.seen_from_surface(surface.position(), Some(number))?;
+                    let exact =
+                        ReflectedRadiance::new(&incident, surface, bsdf).from_point_lights();
+                    End::Surface { surface, bsdf, incident, exact }
+                }
+            })
+        });
+        Ok(Rays { first, ends: ends.collect::<Result<_, ArgumentError>>()? })
+    }
+
+    /// Adds the radiances of rays, as many for each pixel.
+    fn sample(&self, rays: &Rays<'a, V>, pixels: &mut [Pixel<V>]) -> Result<(), RenderError> {
+        let ends = &rays.ends[..];
+        let Renderer { light_choice, samples: [of_lights, of_bsdf], .. } = *self.renderer;
+        let each: Vec<_> =
+            (0..self.probabilities.len()).map(|light| ToLight { ends, light }).collect();
+        let parts = each.iter().copied().zip(self.probabilities.iter().copied());
+        let (any, bsdf) = (Mixture::new(parts.collect())?, FromBsdf(ends));
+        let mut techniques: Vec<(&dyn Technique<Point = Path>, u64)> = Vec::new();
+        match light_choice {
+            LightChoice::Each => {
+                techniques.extend(each.iter().map(|light| (light as _, of_lights)))
+            }
+            LightChoice::Uniform | LightChoice::Power => techniques.push((&any, of_lights)),
+        }
+        let lights = techniques.len();
+        techniques.push((&bsdf, of_bsdf));
+        let per_ray: Vec<u64> = techniques.iter().map(|(_, n)| *n).collect();
+        let of_a_ray: u64 = per_ray.iter().sum();
+        let n = ends.len() as u64;
+        let mut numbers = Numbers {
+            random: self.random,
+            first: rays.first,
+            rays: n,
+            per_ray,
+            replicates: 1,
+            selects: false,
+        };
+        let mut sums = vec![Sum { radiance: V::zero(), parts: [0.0; 2] }; ends.len()];
+        let add = |sample: &Sample<'_, Path, V>| {
+            let (sum, y) = (&mut sums[sample.x().ray], sample.contribution());
+            sum.radiance = sum.radiance.plus(&y);
+            sum.parts[usize::from(sample.technique() >= lights)] += y.total();
+        };
+        let f = Radiance(ends);
+        let counts =
+            techniques.iter().map(|(technique, m)| (*technique, m * n)).collect::<Vec<_>>();
+        let multi = || MultiSample::new(&counts);
+        match self.renderer.combination {
+            Combination::Balance => multi()?.inspect(&f, &numbers, add)?,
+            Combination::Power => {
+                multi()?.weighting(Power::squared())?.inspect(&f, &numbers, add)?
+            }
+            Combination::Maximum => multi()?.weighting(Maximum)?.inspect(&f, &numbers, add)?,
+            Combination::Constant => {
+                multi()?.weighting(Constant::equal())?.inspect(&f, &numbers, add)?
+            }
+            Combination::OneSample => {
+                let probability = |(technique, m): &_| (*technique, *m as f64 / of_a_ray as f64);
+                let selection: Vec<_> = techniques.iter().map(probability).collect();
+                (numbers.per_ray, numbers.selects) = (vec![of_a_ray], true);
+                OneSample::new(&selection, n * of_a_ray)?.inspect(&f, &numbers, add)?
+            }
+            Combination::Optimal => {
+                numbers.replicates = replicates(n);
+                let optimal = OptimalMis::new(&counts)?.estimate_from(&f, &numbers)?;
+                let estimated = estimated(n, optimal.estimate(), ends);
+                pixels.iter_mut().for_each(|pixel| *pixel = pixel.merge(&estimated));
+                return Ok(());
+            }
+        };
+        let per_pixel = ends.len() / pixels.len().max(1);
+        let rays = ends.chunks(per_pixel).zip(sums.chunks(per_pixel));
+        for (pixel, (ends, sums)) in pixels.iter_mut().zip(rays) {
+            for (end, sum) in ends.iter().zip(sums) {
+                let sampled = sum.radiance.scaled((of_a_ray as f64).recip());
+                let (exact, parts) = match end {
+                    End::Emitted(_) => (V::zero(), [0.0; 2]),
+                    End::Surface { exact, .. } => (*exact, sum.parts),
+                };
+                pixel.push(&sampled.plus(&exact), parts);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The pixel of all `rays` together, which `estimate` is of but for the point lights.
+fn estimated<V: Spectrum>(rays: u64, estimate: &Estimate<V>, ends: &[End<'_, V>]) -> Pixel<V> {
+    let mut exact = Pixel::empty();
+    for end in ends {
+        let radiance = match end {
+            End::Emitted(_) => V::zero(),
+            End::Surface { exact, .. } => *exact,
+        };
+        exact.push(&radiance, [0.0; 2]);
+    }
+    let n = rays as f64;
+    // How the two errors go together is not known: at worst, they add up.
+    let squares = V::each(|c| {
+        let of_exact = (exact.squares.times(c, 1.0) / (n * (n - 1.0))).sqrt();
+        let error = estimate.error_of(c).unwrap_or(f64::INFINITY) + of_exact;
+        if rays > 1 { error * error * n * (n - 1.0) } else { 0.0 }
+    });
+    Pixel { rays, mean: estimate.value().plus(&exact.mean), squares, parts: [0.0; 2] }
+}
+
+/// The fewest groups of equal size that so many rays make, but at least eight: the error is told from
+/// their values.
+fn replicates(rays: u64) -> u64 {
+    (8..=rays / 2).find(|groups| rays.is_multiple_of(*groups)).unwrap_or(rays)
+}
