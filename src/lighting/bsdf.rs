@@ -5,7 +5,6 @@ use std::fmt::Debug;
 use super::direction::Direction;
 use super::spectrum::Spectrum;
 use super::surface::Surface;
-use crate::integrand::Value;
 use crate::technique::Technique;
 
 /// A bidirectional scattering distribution function, f_r(p, ω_i, ω_o), and the lobes that sample it.
@@ -35,6 +34,15 @@ pub trait Bsdf: Debug + Send + Sync {
     /// The logarithm of the density, where that itself may underflow.
     fn ln_pdf(&self, lobe: usize, surface: &Surface, incident: &Direction) -> f64 {
         self.pdf(lobe, surface, incident).ln()
+    }
+
+    /// [`value`](Bsdf::value), and the density of a lobe that is picked by chance, all equally likely.
+    ///
+    /// Override it where the two have work in common.
+    fn value_and_pdf(&self, surface: &Surface, incident: &Direction) -> (Self::Value, f64) {
+        let lobes = self.lobes();
+        let sum: f64 = (0..lobes).map(|lobe| self.pdf(lobe, surface, incident)).sum();
+        (self.value(surface, incident), sum / lobes as f64)
     }
 
     /// The lobes at `surface`, each a technique.
@@ -80,8 +88,14 @@ impl<A: Bsdf, B: Bsdf<Value = A::Value>> Bsdf for (A, B) {
     type Value = A::Value;
 
     fn value(&self, surface: &Surface, incident: &Direction) -> Self::Value {
-        let (a, b) = (self.0.value(surface, incident), self.1.value(surface, incident));
-        Self::Value::each(|channel| a.times(channel, 1.0) + b.times(channel, 1.0))
+        self.0.value(surface, incident).plus(&self.1.value(surface, incident))
+    }
+
+    fn value_and_pdf(&self, surface: &Surface, incident: &Direction) -> (Self::Value, f64) {
+        let (a, p) = self.0.value_and_pdf(surface, incident);
+        let (b, q) = self.1.value_and_pdf(surface, incident);
+        let [n, m] = [self.0.lobes() as f64, self.1.lobes() as f64];
+        (a.plus(&b), (n * p + m * q) / (n + m))
     }
 
     fn lobes(&self) -> usize {

@@ -102,7 +102,7 @@ impl Camera {
     #[must_use]
     pub fn direction(&self, x: f64, y: f64) -> Direction {
         let ray = self.corner + x * self.right + y * self.down;
-        Direction::from_unit(ray / ray.length())
+        Direction::from_unit(ray.normalize())
     }
 }
 

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::error::ArgumentError;
+use crate::technique::sin_cos_of_turn;
 
 /// A unit vector: a point of the lighting integral, whose measure is the solid angle.
 ///
@@ -115,7 +116,7 @@ impl Frame {
     /// circle.
     pub(super) fn around(&self, q: f64, turn: f64) -> Direction {
         let sin = (q * (2.0 - q)).sqrt();
-        let (sin_phi, cos_phi) = (std::f64::consts::TAU * turn).sin_cos();
+        let (sin_phi, cos_phi) = sin_cos_of_turn(turn);
         Direction((1.0 - q) * self.axis.0 + sin * (cos_phi * self.s + sin_phi * self.t))
     }
 }

@@ -1,15 +1,15 @@
 //! Glossy reflection from microfacets.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::FRAC_1_PI;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::bsdf::Bsdf;
 use super::direction::{Direction, Frame};
 use super::spectrum::{Spectrum, check_channels};
 use super::surface::Surface;
 use crate::error::ArgumentError;
-use crate::technique::{Technique, canonical};
+use crate::technique::{Technique, canonical, sin_cos_of_turn};
 
 /// The smallest roughness: the lobe is then as wide as a direction is exact, times some millions.
 const SMOOTHEST: f64 = 1e-9;
@@ -22,20 +22,55 @@ const SMOOTHEST: f64 = 1e-9;
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Microfacets {
     alpha: f64,
+    /// 1 / α².
+    sharpness: f64,
 }
 
 impl Microfacets {
-    /// D from m_xy and m_z: with the sine itself, not √(1 - m_z²), which has no digits left in a
-    /// narrow lobe.
-    fn density(self, m: DVec3) -> f64 {
-        let k = (DVec2::new(m.x, m.y) / self.alpha).length_squared() + m.z * m.z;
-        (PI * self.alpha * self.alpha * k * k).recip()
+    fn new(owner: &'static str, alpha: f64) -> Result<Self, ArgumentError> {
+        if (SMOOTHEST..=1.0).contains(&alpha) {
+            Ok(Self { alpha, sharpness: (alpha * alpha).recip() })
+        } else {
+            Err(ArgumentError::new(owner, "roughness", alpha, "it must be in [1e-9, 1]"))
+        }
     }
 
-    /// G1 / cos θ = 2 / (cos θ + √(cos² θ + α² sin² θ)), which is finite where cos θ is 0.
-    fn masking_over_cos(self, w: DVec3) -> f64 {
+    /// The density of directions that mirrors on visible normals send light from to the direction
+    /// `outgoing`, G1(ω_o) D(m) / (4 cos θ_o).
+    ///
+    /// D is made of a half vector of any length, and of its sine, not of √(1 - m_z²), which has no
+    /// digits left in a narrow lobe.
+    fn pdf(self, outgoing: DVec3, incident: DVec3) -> f64 {
+        let m = outgoing + incident;
+        let (sin2, cos2) = (m.x * m.x + m.y * m.y, m.z * m.z);
+        let length2 = sin2 + cos2;
+        // The rim, where own samples may be, is as wide as a direction is exact.
+        let rim = 16.0 * f64::EPSILON * f64::EPSILON * length2;
+        if length2 > 0.0 && (m.z > 0.0 || cos2 < rim) {
+            let k = self.sharpness * sin2 + cos2;
+            let d = FRAC_1_PI * self.sharpness * length2 * length2;
+            0.5 * d / (k * k * self.unmasking(outgoing))
+        } else {
+            0.0
+        }
+    }
+
+    /// One of these directions.
+    fn sample(self, outgoing: DVec3, xi: &[f64]) -> DVec3 {
+        // In the space where the surface is a hemisphere, mirrors send light from a cap of directions.
+        let stretch = DVec3::new(self.alpha, self.alpha, 1.0);
+        let v = (outgoing * stretch).normalize();
+        let z = 1.0 - canonical(xi, 0) * (1.0 + v.z);
+        let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+        let (sin_phi, cos_phi) = sin_cos_of_turn(canonical(xi, 1));
+        let m = DVec3::new(sin * cos_phi + v.x, sin * sin_phi + v.y, z + v.z) * stretch;
+        (2.0 * outgoing.dot(m) / m.length_squared()) * m - outgoing
+    }
+
+    /// 2 cos θ / G1 = cos θ + √(cos² θ + α² sin² θ).
+    fn unmasking(self, w: DVec3) -> f64 {
         let sin2 = w.x * w.x + w.y * w.y;
-        2.0 / (w.z + (w.z * w.z + self.alpha * self.alpha * sin2).sqrt())
+        w.z + (w.z * w.z + self.alpha * self.alpha * sin2).sqrt()
     }
 }
 
@@ -68,8 +103,6 @@ pub struct GgxLobe {
     facets: Microfacets,
     /// ω_o in the frame.
     outgoing: DVec3,
-    /// G1(ω_o) / (4 cos θ_o).
-    factor: f64,
 }
 
 impl GgxLobe {
@@ -79,22 +112,8 @@ impl GgxLobe {
     ///
     /// `roughness` must be in \[1e-9, 1\].
     pub fn new(surface: &Surface, roughness: f64) -> Result<Self, ArgumentError> {
-        check_roughness("GgxLobe", roughness)?;
-        Ok(Self::at(surface, Microfacets { alpha: roughness }))
-    }
-
-    fn at(surface: &Surface, facets: Microfacets) -> Self {
-        let frame = *surface.frame();
-        let outgoing = frame.local(surface.outgoing());
-        let factor = 0.25 * facets.masking_over_cos(outgoing);
-        Self { frame, facets, outgoing, factor }
-    }
-
-    /// The half vector of ω_o and `incident`, on the side of ω_o.
-    fn half_vector(&self, incident: DVec3) -> DVec3 {
-        let sum = self.outgoing + incident;
-        let length = sum.length();
-        if length > 0.0 { sum / length } else { DVec3::ZERO }
+        let facets = Microfacets::new("GgxLobe", roughness)?;
+        Ok(Self { frame: *surface.frame(), facets, outgoing: surface.local_outgoing() })
     }
 }
 
@@ -106,24 +125,11 @@ impl Technique for GgxLobe {
     }
 
     fn sample(&self, xi: &[f64]) -> Direction {
-        let alpha = self.facets.alpha;
-        // In the space where the surface is a hemisphere, mirrors send light from a cap of directions.
-        let v = self.outgoing * DVec3::new(alpha, alpha, 1.0);
-        let v = v / v.length();
-        let z = 1.0 - canonical(xi, 0) * (1.0 + v.z);
-        let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = (TAU * canonical(xi, 1)).sin_cos();
-        let m = DVec3::new(sin * cos_phi + v.x, sin * sin_phi + v.y, z + v.z);
-        let m = m * DVec3::new(alpha, alpha, 1.0);
-        let m = m / m.length();
-        self.frame.world(2.0 * self.outgoing.dot(m) * m - self.outgoing)
+        self.frame.world(self.facets.sample(self.outgoing, xi))
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
-        let m = self.half_vector(self.frame.local(*w));
-        // The rim, where own samples may be, is as wide as a direction is exact.
-        let within = m.z > -4.0 * f64::EPSILON && m != DVec3::ZERO;
-        if within { self.factor * self.facets.density(m) } else { 0.0 }
+        self.facets.pdf(self.outgoing, self.frame.local(*w))
     }
 }
 
@@ -149,8 +155,7 @@ impl<V: Spectrum> GgxConductor<V> {
         const OWNER: &str = "GgxConductor";
         let rule = "every channel must be in [0, 1]";
         check_channels(OWNER, "reflectance", &reflectance, 1.0, rule)?;
-        check_roughness(OWNER, roughness)?;
-        Ok(Self { reflectance, facets: Microfacets { alpha: roughness } })
+        Ok(Self { reflectance, facets: Microfacets::new(OWNER, roughness)? })
     }
 }
 
@@ -158,30 +163,25 @@ impl<V: Spectrum> Bsdf for GgxConductor<V> {
     type Value = V;
 
     fn value(&self, surface: &Surface, incident: &Direction) -> V {
-        let lobe = GgxLobe::at(surface, self.facets);
-        let w = lobe.frame.local(*incident);
-        if w.z > 0.0 {
-            let m = lobe.half_vector(w);
-            let masked = lobe.factor * self.facets.masking_over_cos(w);
-            self.reflectance.scaled(masked * self.facets.density(m))
+        self.value_and_pdf(surface, incident).0
+    }
+
+    fn value_and_pdf(&self, surface: &Surface, incident: &Direction) -> (V, f64) {
+        let w = surface.frame().local(*incident);
+        let pdf = self.facets.pdf(surface.local_outgoing(), w);
+        let value = if w.z > 0.0 {
+            self.reflectance.scaled(2.0 * pdf / self.facets.unmasking(w))
         } else {
             V::zero()
-        }
+        };
+        (value, pdf)
     }
 
     fn sample(&self, _: usize, surface: &Surface, xi: &[f64]) -> Direction {
-        GgxLobe::at(surface, self.facets).sample(xi)
+        surface.frame().world(self.facets.sample(surface.local_outgoing(), xi))
     }
 
     fn pdf(&self, _: usize, surface: &Surface, incident: &Direction) -> f64 {
-        GgxLobe::at(surface, self.facets).pdf(incident)
-    }
-}
-
-fn check_roughness(owner: &'static str, roughness: f64) -> Result<(), ArgumentError> {
-    if (SMOOTHEST..=1.0).contains(&roughness) {
-        Ok(())
-    } else {
-        Err(ArgumentError::new(owner, "roughness", roughness, "it must be in [1e-9, 1]"))
+        self.facets.pdf(surface.local_outgoing(), surface.frame().local(*incident))
     }
 }

@@ -45,22 +45,26 @@ impl<V: Spectrum> Incident<V> {
     }
 
     pub(super) fn source(&self, w: &Direction) -> Option<V> {
-        let (distance, radiance) = self.nearest(w)?;
-        let visible = !self.occluded(w, distance);
-        visible.then_some(radiance)
+        self.visible(w, |_| ()).map(|light| light.radiance)
     }
 
-    /// The distance of the nearest light in the direction `w`, and its radiance.
-    pub(super) fn nearest(&self, w: &Direction) -> Option<(f64, V)> {
-        let mut nearest: Option<(f64, V)> = None;
+    /// The light that is seen in the direction `w`; `meet` is told of every one that it meets, hidden or
+    /// not.
+    pub(super) fn visible(
+        &self,
+        w: &Direction,
+        mut meet: impl FnMut(&SeenLight<V>),
+    ) -> Option<&SeenLight<V>> {
+        let mut nearest: Option<&SeenLight<V>> = None;
         for light in &self.lights {
-            if let Some(distance) = light.directions().hit(w)
-                && nearest.is_none_or(|(least, _)| distance < least)
-            {
-                nearest = Some((distance, light.radiance));
+            if light.directions().contains(w) {
+                meet(light);
+                let hidden = nearest.is_some_and(|other| other.distance(w) <= light.distance(w));
+                nearest = if hidden { nearest } else { Some(light) };
             }
         }
-        nearest
+        // How far away it is only matters where something may be in between.
+        nearest.filter(|light| self.occluders.is_empty() || !self.occluded(w, light.distance(w)))
     }
 
     /// Whether an occluder is met in the direction `w` within `distance`.
@@ -75,8 +79,8 @@ impl<V: Spectrum> Incident<V> {
     /// The point lights that nothing hides, neither an occluder nor another light.
     pub(super) fn visible_point_lights(&self) -> impl Iterator<Item = &Ray<V>> {
         self.point_lights.iter().filter(|Ray { direction, distance, .. }| {
-            let hidden = self.nearest(direction).is_some_and(|(near, _)| near < *distance);
-            !hidden && !self.occluded(direction, *distance)
+            let hides = |light: &SeenLight<V>| light.distance(direction) < *distance;
+            !self.lights.iter().any(hides) && !self.occluded(direction, *distance)
         })
     }
 }

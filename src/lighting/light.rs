@@ -145,6 +145,11 @@ impl<V: Spectrum> SeenLight<V> {
         if self.directions.hit(w).is_some() { self.radiance } else { V::zero() }
     }
 
+    /// The distance in the direction `w`; infinite where that misses the light.
+    pub(super) fn distance(&self, w: &Direction) -> f64 {
+        self.directions.hit(w).unwrap_or(f64::INFINITY)
+    }
+
     /// The directions towards the light.
     #[must_use]
     pub fn directions(&self) -> &SolidAngle {

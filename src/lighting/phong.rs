@@ -103,13 +103,18 @@ impl<V: Spectrum> ModifiedPhong<V> {
 impl<V: Spectrum> Bsdf for ModifiedPhong<V> {
     type Value = V;
 
-    fn value(&self, surface: &Surface, incident: &Direction) -> V {
-        if incident.cos(surface.normal()) > 0.0 {
-            let lobe = ln_lobe(self.exponent, surface.mirror(), incident).map_or(0.0, f64::exp);
-            self.albedo.scaled((self.exponent + 2.0) / TAU * lobe)
+    fn value_and_pdf(&self, surface: &Surface, incident: &Direction) -> (V, f64) {
+        let pdf = pdf(self.exponent, surface.mirror(), incident);
+        let value = if incident.cos(surface.normal()) > 0.0 {
+            self.albedo.scaled((self.exponent + 2.0) / (self.exponent + 1.0) * pdf)
         } else {
             V::zero()
-        }
+        };
+        (value, pdf)
+    }
+
+    fn value(&self, surface: &Surface, incident: &Direction) -> V {
+        self.value_and_pdf(surface, incident).0
     }
 
     fn sample(&self, _: usize, surface: &Surface, xi: &[f64]) -> Direction {

@@ -2,7 +2,11 @@
 //!
 //! Everything here is a sum, product or quotient of positive numbers.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
+
+use crate::technique::sin_cos_of_turn;
 
 /// An interval on an axis, with its width as given: `high - low` has lost it to rounding where
 /// the interval is narrow and far out.
@@ -63,8 +67,8 @@ pub(super) struct Piece {
     before: f64,
     within: f64,
     beyond: f64,
-    /// atan(h / y₁).
-    gamma: f64,
+    /// The sine and the cosine of γ = atan(h / y₁).
+    gamma: (f64, f64),
 }
 
 impl Piece {
@@ -80,7 +84,10 @@ impl Piece {
             before: solid_angle(start, y, height),
             within: solid_angle(x, y, height),
             beyond,
-            gamma: height.atan2(y.high),
+            gamma: {
+                let length = height.hypot(y.high);
+                (height / length, y.high / length)
+            },
         }
     }
 
@@ -94,23 +101,35 @@ impl Piece {
         let h = self.height;
         let a = self.before + xi0 * self.within;
         let half_b = 0.5 * (self.beyond + (1.0 - xi0) * self.within);
+        // All these angles are at most 90°: every product is positive.
+        let (sin_a, cos_a) = sin_cos(a);
+        let (sin_b, cos_b) = sin_cos(half_b);
+        let (sin_gamma, cos_gamma) = self.gamma;
+        let (sin_ab, cos_ab) = (sin_a * cos_b + cos_a * sin_b, cos_a * cos_b - sin_a * sin_b);
+        let sin_gamma_b = sin_gamma * cos_b + cos_gamma * sin_b;
+        let sin_gamma_ab = sin_gamma * cos_ab + cos_gamma * sin_ab;
         // The product of the first two would underflow for a solid angle below 1e-162.
-        let product = half_b.sin().sqrt()
-            * (a + half_b).sin().sqrt()
-            * ((self.gamma + half_b).sin() * (self.gamma + a + half_b).sin()).sqrt();
-        let x = (0.5 * h * a.sin() / product).clamp(self.x.low, self.x.high);
+        let product = sin_b.sqrt() * sin_ab.sqrt() * (sin_gamma_b * sin_gamma_ab).sqrt();
+        let x = (0.5 * h * sin_a / product).clamp(self.x.low, self.x.high);
 
         // sin β = y / √(d² + y²) is uniform; both it and 1 - sin β are kept, for 1 - sin² β.
-        let d = x.hypot(h);
-        let (low, high) = (d.hypot(self.y.low), d.hypot(self.y.high));
-        let complement = |y: f64, length: f64| (d / length) * (d / (length + y));
-        let (sin0, sin1) = (self.y.low / low, self.y.high / high);
-        let (rest0, rest1) = (complement(self.y.low, low), complement(self.y.high, high));
+        let d2 = x * x + h * h;
+        let [(sin0, rest0), (sin1, rest1)] = [self.y.low, self.y.high].map(|y| {
+            let length = (d2 + y * y).sqrt();
+            let inverse = (length * (length + y)).recip();
+            (y * (length + y) * inverse, d2 * inverse)
+        });
+        let d = d2.sqrt();
         let sin = sin0 + xi1 * (sin1 - sin0);
         let rest = rest1 + (1.0 - xi1) * (rest0 - rest1);
         let y = (d * sin / (rest * (2.0 - rest)).sqrt()).clamp(self.y.low, self.y.high);
         DVec3::new(self.x.sign * x, self.y.sign * y, h)
     }
+}
+
+/// The sine and the cosine of an angle in radians.
+fn sin_cos(angle: f64) -> (f64, f64) {
+    sin_cos_of_turn(angle * TAU.recip())
 }
 
 /// The solid angle of x × y at the height h, from two triangles, each by the formula of

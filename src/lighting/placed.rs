@@ -24,6 +24,9 @@ pub(super) struct Placed {
     pub(super) height: f64,
     pub(super) x: Interval,
     pub(super) y: Interval,
+    /// Normals, inwards, of the planes through the point and an edge; their lengths are 1 to a factor
+    /// of √2.
+    planes: [DVec3; 4],
 }
 
 /// The point is in the plane of the rectangle, or is not finite.
@@ -50,13 +53,19 @@ impl Placed {
         let (to_centre, rounding) = (to_centre / unit, rounding / unit);
         let offset = to_centre.dot(z);
         let height = offset.abs();
-        let placed = Self {
-            axes: [x, y, z * offset.signum()],
-            unit,
-            height,
-            x: Interval::around(to_centre.dot(x), half_x / unit),
-            y: Interval::around(to_centre.dot(y), half_y / unit),
+        let z = z * offset.signum();
+        let along_x = Interval::around(to_centre.dot(x), half_x / unit);
+        let along_y = Interval::around(to_centre.dot(y), half_y / unit);
+        let plane = |axis: DVec3, edge: f64, inwards: f64| {
+            (height * axis - edge * z) * (inwards / (height + edge.abs()))
         };
+        let planes = [
+            plane(x, along_x.low, 1.0),
+            plane(x, along_x.high, -1.0),
+            plane(y, along_y.low, 1.0),
+            plane(y, along_y.high, -1.0),
+        ];
+        let placed = Self { axes: [x, y, z], unit, height, x: along_x, y: along_y, planes };
         // Not where the whole rectangle is within the rounding of the horizon.
         let lowest = rounding.max(8.0 * f64::EPSILON * placed.nearest()).max(LOWEST);
         if height > lowest { Ok(placed) } else { Err(InPlane) }
@@ -72,7 +81,7 @@ impl Placed {
 
     /// The direction towards the point with these coordinates.
     pub(super) fn direction(&self, local: DVec3) -> Direction {
-        let local = local / local.length();
+        let local = local.normalize();
         let [x, y, z] = self.axes;
         Direction::from_unit(local.x * x + local.y * y + local.z * z)
     }
@@ -80,14 +89,9 @@ impl Placed {
     /// Whether `w` is on the inner side of the planes through the point and an edge, each moved
     /// outwards by the rounding of a direction.
     pub(super) fn contains(&self, w: &Direction) -> bool {
-        let [x, y, z] = self.axes.map(|axis| axis.dot(w.vector()));
-        let h = self.height;
-        // A plane's normal is (h, edge) over its length, which is h + |edge| to a factor of √2.
-        let within = |along: f64, Interval { low, high, .. }: Interval| {
-            h * along - low * z >= -RIM * (h + low.abs())
-                && high * z - h * along >= -RIM * (h + high.abs())
-        };
-        z >= -RIM && within(x, self.x) && within(y, self.y)
+        let [_, _, z] = self.axes;
+        let within = |normal: &DVec3| normal.dot(w.vector()) >= -RIM;
+        self.planes.iter().all(within) && within(&z)
     }
 
     /// The distance to the rectangle in the direction `w`, or `None` where it misses.

@@ -155,6 +155,8 @@ pub struct SphericalRectangle {
     placed: Placed,
     pieces: Vec<Piece>,
     solid_angle: f64,
+    /// 1 over the solid angle.
+    density: f64,
 }
 
 impl SphericalRectangle {
@@ -170,13 +172,21 @@ impl SphericalRectangle {
         if !solid_angle.is_normal() {
             return Err(invalid("the rectangle's solid angle must be within the range of f64"));
         }
-        Ok(Self { placed, pieces, solid_angle })
+        Ok(Self { placed, pieces, solid_angle, density: solid_angle.recip() })
     }
 
     /// The solid angle Ω in steradians.
     #[must_use]
     pub fn solid_angle(&self) -> f64 {
         self.solid_angle
+    }
+
+    pub(super) fn contains(&self, w: &Direction) -> bool {
+        self.placed.contains(w)
+    }
+
+    pub(super) fn density(&self) -> f64 {
+        self.density
     }
 
     /// The distance to the rectangle in the direction `w`, or `None` where it misses.
@@ -210,6 +220,6 @@ impl Technique for SphericalRectangle {
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
-        if self.placed.contains(w) { self.solid_angle.recip() } else { 0.0 }
+        if self.placed.contains(w) { self.density } else { 0.0 }
     }
 }

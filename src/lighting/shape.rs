@@ -111,6 +111,22 @@ impl SolidAngle {
         }
     }
 
+    /// Whether the direction `w` meets the shape.
+    pub(super) fn contains(&self, w: &Direction) -> bool {
+        match self {
+            Self::Sphere(cone) => cone.contains(w),
+            Self::Rectangle(rectangle) => rectangle.contains(w),
+        }
+    }
+
+    /// The density within: 1 over the solid angle.
+    pub(super) fn density(&self) -> f64 {
+        match self {
+            Self::Sphere(cone) => cone.density(),
+            Self::Rectangle(rectangle) => rectangle.density(),
+        }
+    }
+
     /// The distance to the shape in the direction `w`, or `None` where it misses.
     ///
     /// It is a number exactly where [`pdf`](Technique::pdf) is positive.

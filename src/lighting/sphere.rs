@@ -89,6 +89,8 @@ pub struct Cone {
     frame: Frame,
     /// 1 - cos θ; 2 from inside.
     width: f64,
+    /// 1 over the solid angle.
+    density: f64,
     /// The square of the largest distance from the axis, as unit vectors, that counts as a hit.
     reach2: f64,
     /// The larger of distance and radius: the unit of what follows.
@@ -128,6 +130,7 @@ impl Cone {
         Ok(Self {
             frame: Frame::new(axis),
             width,
+            density: (TAU * width).recip(),
             reach2: reach * reach,
             unit,
             distance: d / unit,
@@ -140,6 +143,14 @@ impl Cone {
     #[must_use]
     pub fn solid_angle(&self) -> f64 {
         TAU * self.width
+    }
+
+    pub(super) fn contains(&self, w: &Direction) -> bool {
+        2.0 * w.one_minus_cos(self.frame.axis) <= self.reach2
+    }
+
+    pub(super) fn density(&self) -> f64 {
+        self.density
     }
 
     /// The distance to the sphere in the direction `w`, or `None` where it misses.
@@ -177,11 +188,7 @@ impl Technique for Cone {
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
-        if 2.0 * w.one_minus_cos(self.frame.axis) <= self.reach2 {
-            self.solid_angle().recip()
-        } else {
-            0.0
-        }
+        if self.contains(w) { self.density } else { 0.0 }
     }
 }
 

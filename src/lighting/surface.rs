@@ -12,6 +12,8 @@ pub struct Surface {
     frame: Frame,
     outgoing: Direction,
     mirror: Direction,
+    /// ω_o in the frame.
+    local_outgoing: DVec3,
 }
 
 impl Surface {
@@ -38,7 +40,9 @@ impl Surface {
     /// What is known to be valid.
     pub(super) fn seen(position: DVec3, normal: Direction, outgoing: Direction) -> Self {
         let mirror = outgoing.reflected(normal);
-        Self { position, frame: Frame::new(normal), outgoing, mirror }
+        let frame = Frame::new(normal);
+        let local_outgoing = frame.local(outgoing);
+        Self { position, frame, outgoing, mirror, local_outgoing }
     }
 
     /// The point p.
@@ -56,6 +60,11 @@ impl Surface {
     /// The normal, with two directions in the surface.
     pub(super) fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    /// ω_o in the frame.
+    pub(super) fn local_outgoing(&self) -> DVec3 {
+        self.local_outgoing
     }
 
     /// The direction ω_o towards the eye.

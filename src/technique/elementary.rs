@@ -99,6 +99,26 @@ pub(super) fn tan_pi(v: f64) -> [f64; 2] {
     [sine, cosine]
 }
 
+/// The sine and the cosine of 2π t, for |t| <= 2²⁰; the sine of a small angle is exact to its own
+/// rounding.
+///
+/// The nearest quarter turns are left out; of what remains, r, they are made of tan(π r).
+#[inline(always)]
+pub(crate) fn sin_cos_of_turn(t: f64) -> (f64, f64) {
+    let shifted = 4.0 * t + SHIFT;
+    let r = t - 0.25 * (shifted - SHIFT);
+    let [s, c] = tan_pi(r);
+    let (s2, c2) = (s * s, c * c);
+    let scale = 1.0 / (s2 + c2);
+    let (sine, cosine) = (2.0 * (s * c) * scale, (c2 - s2) * scale);
+    let quarters = shifted.to_bits();
+    let (a, b) = if quarters & 1 == 0 { (sine, cosine) } else { (cosine, sine) };
+    // The sine is negative in the second half, the cosine in the second and third quarter.
+    let sign = |negative: u64| (negative & 2) << 62;
+    let flipped = |x: f64, negative: u64| f64::from_bits(x.to_bits() ^ sign(negative));
+    (flipped(a, quarters), flipped(b, quarters.wrapping_add(1)))
+}
+
 /// Below this 4 Φ (1 - Φ), [`normal_quantile`] does not hold.
 pub(super) const NORMAL_TAIL: f64 = 0.006_737_946_999_085_467;
 

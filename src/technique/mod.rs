@@ -37,6 +37,8 @@ mod uniform;
 
 pub use affine::Affine;
 pub use cauchy::Cauchy;
+#[cfg(feature = "lighting")]
+pub(crate) use elementary::sin_cos_of_turn;
 pub use exponential::Exponential;
 pub use fn_technique::FnTechnique;
 pub use linear::Linear;

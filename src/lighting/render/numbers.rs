@@ -9,11 +9,10 @@ use crate::points::{PointSource, PointsExhausted, Random};
 /// which is not random, and the direction; before it may be one that selects a light or a lobe, which is
 /// stratified over the samples at a ray, and one that selects a technique.
 #[derive(Debug)]
-pub(super) struct Numbers {
+pub(super) struct Numbers<'a> {
     pub(super) random: Random,
-    /// The number of the tile's first ray in the picture.
-    pub(super) first: u64,
-    pub(super) rays: u64,
+    /// The numbers of the rays in the picture, in ascending order.
+    pub(super) rays: &'a [u64],
     /// How many samples of each technique a ray has; of all together, if samples select theirs.
     pub(super) per_ray: Vec<u64>,
     /// How many groups the rays are dealt to, which are then replicates.
@@ -22,7 +21,7 @@ pub(super) struct Numbers {
     pub(super) selects: bool,
 }
 
-impl PointSource for Numbers {
+impl PointSource for Numbers<'_> {
     fn fill(
         &self,
         stream: usize,
@@ -32,30 +31,40 @@ impl PointSource for Numbers {
     ) -> Result<(), PointsExhausted> {
         let (technique, group) = (stream as u64 / self.replicates, stream as u64 % self.replicates);
         let technique = usize::try_from(technique).unwrap_or(usize::MAX);
-        let exhausted = PointsExhausted { stream, sample: first, dimension, available: 0 };
-        let per_ray = *self.per_ray.get(technique).ok_or(exhausted)?;
-        // Samples of consecutive rays are consecutive, too; those of a group are so at one ray only.
-        let run = if self.replicates == 1 { u64::MAX } else { per_ray };
-        let ray = |sample: u64| group + self.replicates * (sample / per_ray);
+        let exhausted = |sample| PointsExhausted { stream, sample, dimension, available: 0 };
+        let per_ray = *self.per_ray.get(technique).ok_or_else(|| exhausted(first))?;
+        let place = |sample: u64| group + self.replicates * (sample / per_ray);
+        let number = |sample| self.rays.get(usize::try_from(place(sample)).ok()?).copied();
         let (mut sample, mut rest) = (first, &mut *xi);
         while !rest.is_empty() {
-            let left = usize::try_from(run - sample % run).unwrap_or(usize::MAX);
-            let (rows, tail) = rest.split_at_mut(rest.len().min(left.saturating_mul(dimension)));
-            let start = (self.first + ray(sample)) * per_ray + sample % per_ray;
-            self.random.fill(technique, start, dimension, rows)?;
-            sample += (rows.len() / dimension) as u64;
-            rest = tail;
-        }
-        let selection = usize::from(self.selects);
-        for (row, sample) in xi.chunks_exact_mut(dimension).zip(first..) {
-            if let [.., ray_number, _, _] = row {
-                *ray_number = (ray(sample) as f64 + 0.5) / self.rays as f64;
-            }
-            if dimension == 4 + selection
-                && !self.selects
-                && let [select, ..] = row
+            // Consecutive samples of consecutive rays have consecutive numbers.
+            let ray = number(sample).ok_or_else(|| exhausted(sample))?;
+            let end = sample + (rest.len() / dimension) as u64;
+            let mut next = sample - sample % per_ray + per_ray;
+            while next < end
+                && number(next).is_some_and(|n| n - ray == (next - sample).div_ceil(per_ray))
             {
-                *select = ((sample % per_ray) as f64 + *select) / per_ray as f64;
+                next += per_ray;
+            }
+            let rows = usize::try_from(next.min(end) - sample).unwrap_or(usize::MAX);
+            let (rows, tail) = rest.split_at_mut(rows * dimension);
+            self.random.fill(technique, ray * per_ray + sample % per_ray, dimension, rows)?;
+            (sample, rest) = (next, tail);
+        }
+        // One that selects a light or a lobe is before the last three.
+        let stratified = dimension == 4 && !self.selects;
+        let (rays, part) = ((self.rays.len() as f64).recip(), (per_ray as f64).recip());
+        let (mut at, mut of_ray) = (place(first), first % per_ray);
+        for row in xi.chunks_exact_mut(dimension) {
+            if let [.., ray_number, _, _] = row {
+                *ray_number = (at as f64 + 0.5) * rays;
+            }
+            if stratified && let [select, ..] = row {
+                *select = (of_ray as f64 + *select) * part;
+            }
+            of_ray += 1;
+            if of_ray == per_ray {
+                (at, of_ray) = (at + self.replicates, 0);
             }
         }
         Ok(())

@@ -6,16 +6,33 @@ use crate::integrand::Integrand;
 use crate::lighting::bsdf::Bsdf;
 use crate::lighting::direction::Direction;
 use crate::lighting::incident::Incident;
-use crate::lighting::reflected::ReflectedRadiance;
 use crate::lighting::spectrum::Spectrum;
 use crate::lighting::surface::Surface;
-use crate::technique::{Technique, canonical};
+use crate::technique::{Mixture, Technique, canonical, sin_cos_of_turn};
 
 /// A ray of the camera, by its number among those of a tile, and a direction of light at its end.
+///
+/// It carries what the integrand and the densities make of it: they have most of their work in common.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Path {
+pub(super) struct Path<V> {
     pub(super) ray: usize,
-    pub(super) w: Direction,
+    w: Direction,
+    /// The radiance that comes along the ray from the direction `w`.
+    value: V,
+    /// The density of all lights, as one technique, and that of the BSDF.
+    lights: f64,
+    bsdf: f64,
+}
+
+/// The densities that an estimator looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Densities {
+    /// Those of a sample's own technique.
+    Own,
+    /// Those of all, where light arrives: elsewhere, the weight of 0 is of no account.
+    Lit,
+    /// Those of all.
+    All,
 }
 
 /// What a ray of the camera meets.
@@ -32,69 +49,153 @@ pub(super) enum End<'a, V> {
     },
 }
 
-/// 1 / (4π), the uniform density of directions.
-const UNIFORM: f64 = 0.5 / TAU;
-
-/// The radiance that comes along a ray from a direction of light. The integral over both, with the mean
-/// over the rays and per steradian, is the mean radiance of the rays.
-pub(super) struct Radiance<'a, V>(pub(super) &'a [End<'a, V>]);
-
-impl<V: Spectrum> Integrand<Path> for Radiance<'_, V> {
-    type Value = V;
-
-    fn eval(&self, path: &Path) -> V {
-        match &self.0[path.ray] {
-            End::Emitted(radiance) => radiance.scaled(UNIFORM),
-            End::Surface { surface, bsdf, incident, .. } => {
-                ReflectedRadiance::new(incident, *surface, *bsdf).eval(&path.w)
-            }
+impl<V: Spectrum> End<'_, V> {
+    /// What needs no sample.
+    pub(super) fn exact(&self) -> V {
+        match self {
+            End::Emitted(_) => V::zero(),
+            End::Surface { exact, .. } => *exact,
         }
     }
 }
 
-/// The ray that a canonical number stands for.
-fn ray(rays: usize, xi: f64) -> usize {
-    // Rounding down is meant; the last ray takes what rounds up to the number of rays.
-    ((xi * rays as f64) as usize).min(rays.saturating_sub(1))
+/// The rays of a tile.
+pub(super) struct Rays<'a, V> {
+    /// Their numbers in the picture, in ascending order.
+    pub(super) numbers: Vec<u64>,
+    /// The pixels that they belong to, by their places in the tile.
+    pub(super) places: Vec<usize>,
+    pub(super) ends: Vec<End<'a, V>>,
+    /// The probabilities of the lights.
+    probabilities: &'a [f64],
+    densities: Densities,
 }
 
-/// A direction from the uniform density, for what no light or lobe is sampled.
+/// 1 / (4π), the uniform density of directions: where there is no light or lobe to sample.
+const UNIFORM: f64 = 0.5 / TAU;
+
+/// A direction from the uniform density.
 fn anywhere(xi: &[f64]) -> Direction {
     let z = 1.0 - 2.0 * canonical(xi, 0);
-    let (sin_phi, cos_phi) = (TAU * canonical(xi, 1)).sin_cos();
+    let (sin_phi, cos_phi) = sin_cos_of_turn(canonical(xi, 1));
     let r = (1.0 - z * z).sqrt();
     Direction::from_unit(glam::DVec3::new(r * cos_phi, r * sin_phi, z))
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Own {
+    Lights,
+    Bsdf,
+}
+
+impl<'a, V: Spectrum> Rays<'a, V> {
+    /// Room for so many rays.
+    pub(super) fn new(rays: usize, probabilities: &'a [f64], densities: Densities) -> Self {
+        let (numbers, places) = (Vec::with_capacity(rays), Vec::with_capacity(rays));
+        Self { numbers, places, ends: Vec::with_capacity(rays), probabilities, densities }
+    }
+
+    pub(super) fn push(&mut self, number: u64, place: usize, end: End<'a, V>) {
+        self.numbers.push(number);
+        self.places.push(place);
+        self.ends.push(end);
+    }
+
+    /// The ray that a canonical number stands for.
+    fn ray(&self, xi: f64) -> usize {
+        // Rounding down is meant; the last ray takes what rounds up to the number of rays.
+        ((xi * self.ends.len() as f64) as usize).min(self.ends.len() - 1)
+    }
+
+    /// The path of this ray and the direction `w`, which its `own` technique has sampled.
+    fn path(&self, ray: usize, w: Direction, own: Own) -> Path<V> {
+        let (surface, bsdf, incident) = match &self.ends[ray] {
+            End::Emitted(radiance) => {
+                let value = radiance.scaled(UNIFORM);
+                return Path { ray, w, value, lights: UNIFORM, bsdf: UNIFORM };
+            }
+            End::Surface { surface, bsdf, incident, .. } => (surface, *bsdf, incident),
+        };
+        let mut lights = 0.0;
+        let visible = incident.visible(&w, |light| {
+            lights += self.probabilities[light.number] * light.directions().density();
+        });
+        if incident.lights().len() < self.probabilities.len() {
+            let seen: f64 = incident.lights().iter().map(|l| self.probabilities[l.number]).sum();
+            lights += (1.0 - seen).max(0.0) * UNIFORM;
+        }
+        let cos = w.cos(surface.normal());
+        if let Some(light) = visible.filter(|_| cos > 0.0) {
+            let (value, bsdf) = if own == Own::Lights && self.densities == Densities::Own {
+                (bsdf.value(surface, &w), 0.0)
+            } else {
+                bsdf.value_and_pdf(surface, &w)
+            };
+            return Path {
+                ray,
+                w,
+                value: value.scaled_product(&light.radiance, cos),
+                lights,
+                bsdf,
+            };
+        }
+        // Without light, any positive density will do for a weight.
+        let bsdf = match own {
+            _ if self.densities == Densities::All => mean_pdf(bsdf, surface, &w),
+            Own::Lights => 0.0,
+            Own::Bsdf => UNIFORM,
+        };
+        Path { ray, w, value: V::zero(), lights, bsdf }
+    }
+}
+
+/// The density of a lobe that is picked by chance.
+fn mean_pdf<V: Spectrum>(bsdf: &dyn Bsdf<Value = V>, surface: &Surface, w: &Direction) -> f64 {
+    let lobes = bsdf.lobes();
+    (0..lobes).map(|lobe| bsdf.pdf(lobe, surface, w)).sum::<f64>() / lobes as f64
+}
+
+/// The radiance along a path. Its integral over rays and directions, with the mean over the rays and
+/// per steradian, is the mean radiance of the rays.
+pub(super) struct Radiance;
+
+impl<V: Spectrum> Integrand<Path<V>> for Radiance {
+    type Value = V;
+
+    fn eval(&self, path: &Path<V>) -> V {
+        path.value
+    }
 }
 
 /// A ray, then a direction towards one light: uniform in its solid angle, or in all directions where it
 /// has none. Canonical numbers: the ray, and two for the direction.
 #[derive(Clone, Copy)]
 pub(super) struct ToLight<'a, V> {
-    pub(super) ends: &'a [End<'a, V>],
+    pub(super) rays: &'a Rays<'a, V>,
     pub(super) light: usize,
 }
 
 impl<V: Spectrum> Technique for ToLight<'_, V> {
-    type Point = Path;
+    type Point = Path<V>;
 
     fn dimension(&self) -> usize {
         3
     }
 
-    fn sample(&self, xi: &[f64]) -> Path {
-        let ray = ray(self.ends.len(), canonical(xi, 0));
+    fn sample(&self, xi: &[f64]) -> Path<V> {
+        let ray = self.rays.ray(canonical(xi, 0));
         let xi = xi.get(1..).unwrap_or_default();
-        let w = match &self.ends[ray] {
+        let w = match &self.rays.ends[ray] {
             End::Surface { incident, .. } if let Some(light) = incident.numbered(self.light) => {
                 light.sample(xi)
             }
             _ => anywhere(xi),
         };
-        Path { ray, w }
+        self.rays.path(ray, w, Own::Lights)
     }
 
-    fn pdf(&self, path: &Path) -> f64 {
-        match &self.ends[path.ray] {
+    fn pdf(&self, path: &Path<V>) -> f64 {
+        match &self.rays.ends[path.ray] {
             End::Surface { incident, .. } => {
                 incident.numbered(self.light).map_or(UNIFORM, |light| light.pdf(&path.w))
             }
@@ -103,21 +204,41 @@ impl<V: Spectrum> Technique for ToLight<'_, V> {
     }
 }
 
+/// A ray, then a direction towards any of the lights. Canonical numbers: the light, the ray, and two for
+/// the direction.
+pub(super) struct ToLights<'a, V>(pub(super) Mixture<ToLight<'a, V>>);
+
+impl<V: Spectrum> Technique for ToLights<'_, V> {
+    type Point = Path<V>;
+
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
+
+    fn sample(&self, xi: &[f64]) -> Path<V> {
+        self.0.sample(xi)
+    }
+
+    fn pdf(&self, path: &Path<V>) -> f64 {
+        path.lights
+    }
+}
+
 /// A ray, then a direction from the lobes of its surface, all equally likely. Canonical numbers: the
 /// lobe, the ray, and two for the direction.
-pub(super) struct FromBsdf<'a, V>(pub(super) &'a [End<'a, V>]);
+pub(super) struct FromBsdf<'a, V>(pub(super) &'a Rays<'a, V>);
 
 impl<V: Spectrum> Technique for FromBsdf<'_, V> {
-    type Point = Path;
+    type Point = Path<V>;
 
     fn dimension(&self) -> usize {
         4
     }
 
-    fn sample(&self, xi: &[f64]) -> Path {
-        let ray = ray(self.0.len(), canonical(xi, 1));
+    fn sample(&self, xi: &[f64]) -> Path<V> {
+        let ray = self.0.ray(canonical(xi, 1));
         let own = xi.get(2..).unwrap_or_default();
-        let w = match &self.0[ray] {
+        let w = match &self.0.ends[ray] {
             End::Surface { surface, bsdf, .. } => {
                 let lobes = bsdf.lobes();
                 let lobe = ((canonical(xi, 0) * lobes as f64) as usize).min(lobes - 1);
@@ -125,17 +246,10 @@ impl<V: Spectrum> Technique for FromBsdf<'_, V> {
             }
             End::Emitted(_) => anywhere(own),
         };
-        Path { ray, w }
+        self.0.path(ray, w, Own::Bsdf)
     }
 
-    fn pdf(&self, path: &Path) -> f64 {
-        match &self.0[path.ray] {
-            End::Surface { surface, bsdf, .. } => {
-                let lobes = bsdf.lobes();
-                let sum: f64 = (0..lobes).map(|lobe| bsdf.pdf(lobe, surface, &path.w)).sum();
-                sum / lobes as f64
-            }
-            End::Emitted(_) => UNIFORM,
-        }
+    fn pdf(&self, path: &Path<V>) -> f64 {
+        path.bsdf
     }
 }

@@ -1,7 +1,7 @@
 //! Tiles: the rays of a few pixels, sampled together.
 
 use super::numbers::Numbers;
-use super::path::{End, FromBsdf, Path, Radiance, ToLight};
+use super::path::{Densities, End, FromBsdf, Path, Radiance, Rays, ToLight, ToLights};
 use super::picture::Pixel;
 use super::{Combination, LightChoice, RenderError, Renderer};
 use crate::lighting::reflected::ReflectedRadiance;
@@ -10,9 +10,7 @@ use crate::lighting::spectrum::Spectrum;
 use crate::points::{PointSource, Random};
 use crate::technique::{Mixture, Technique};
 use crate::weighting::{Constant, Maximum, Power};
-use crate::{
-    ArgumentError, Estimate, EstimateError, Estimator, MultiSample, OneSample, OptimalMis, Sample,
-};
+use crate::{Estimate, EstimateError, Estimator, MultiSample, OneSample, OptimalMis, Sample};
 
 /// How many rays are sampled together: what is known of their ends fits the second-level cache.
 const RAYS: u64 = 128;
@@ -68,13 +66,6 @@ pub(super) struct Worker<'a, V> {
     probabilities: Vec<f64>,
 }
 
-/// The rays of a tile, with what they meet.
-struct Rays<'a, V> {
-    /// The number of the first one in the picture.
-    first: u64,
-    ends: Vec<End<'a, V>>,
-}
-
 /// What the samples at one ray add up to.
 #[derive(Clone)]
 struct Sum<V> {
@@ -89,6 +80,21 @@ impl<'a, V: Spectrum> Worker<'a, V> {
         Self { renderer, view, random: Random::new(seed), probabilities }
     }
 
+    /// The densities that the estimator needs.
+    fn densities(&self) -> Densities {
+        match self.renderer.combination {
+            Combination::Optimal => Densities::All,
+            Combination::Constant => Densities::Own,
+            // A single technique needs no other.
+            _ if self.renderer.samples.contains(&0)
+                && self.renderer.light_choice != LightChoice::Each =>
+            {
+                Densities::Own
+            }
+            _ => Densities::Lit,
+        }
+    }
+
     /// The pixels of a strip.
     pub(super) fn strip(&self, strip: &Strip) -> Result<Vec<Pixel<V>>, RenderError> {
         let mut pixels = vec![Pixel::empty(); strip.pixels as usize];
@@ -101,57 +107,60 @@ impl<'a, V: Spectrum> Worker<'a, V> {
         for (pixels, column) in pixels.chunks_mut(wide).zip((strip.column..).step_by(wide)) {
             for first in (0..strip.rays).step_by(deep as usize) {
                 let rays = deep.min(strip.rays - first);
-                let rays =
-                    self.rays(strip.row, column, pixels.len() as u64, (strip.first + first, rays))?;
-                self.sample(&rays, pixels)?;
+                let rays = Strip { column, first: strip.first + first, rays, ..*strip };
+                let rays = self.rays(&rays, pixels)?;
+                if !rays.ends.is_empty() {
+                    self.sample(&rays, pixels)?;
+                }
             }
         }
         Ok(pixels)
     }
 
-    /// Some rays of each of some pixels.
-    fn rays(
-        &self,
-        row: u32,
-        column: u32,
-        pixels: u64,
-        (first, count): (u64, u64),
-    ) -> Result<Rays<'a, V>, RenderError> {
-        let camera = self.renderer.camera;
-        let pixel = u64::from(row) * u64::from(camera.width()) + u64::from(column);
+    /// What the rays of a strip meet. Those that end at a light are added to their pixels, unless weights
+    /// are fitted to all of them.
+    fn rays(&self, strip: &Strip, pixels: &mut [Pixel<V>]) -> Result<Rays<'_, V>, RenderError> {
+        let Renderer { scene, camera, .. } = *self.renderer;
+        let first = u64::from(strip.row) * u64::from(camera.width()) + u64::from(strip.column);
+        let first = first * self.renderer.rays + strip.first;
+        let per_pixel = usize::try_from(strip.rays).unwrap_or(usize::MAX);
+        let mut film = vec![0.0; 2 * per_pixel * pixels.len()];
         // Where there are several pixels, these are all their rays.
-        let first = pixel * self.renderer.rays + first;
-        let mut film = vec![0.0; 2 * (pixels * count) as usize];
         self.random.fill(FILM, first, 2, &mut film).map_err(EstimateError::from)?;
-        let ends = film.as_chunks::<2>().0.iter().zip(0..).map(|([x, y], number)| {
-            let column = u64::from(column) + number / count;
-            let w = camera.direction(column as f64 + x, f64::from(row) + y);
-            Ok(match self.view.along(&w) {
+        let mut rays = Rays::new(film.len() / 2, &self.probabilities, self.densities());
+        let positions = film.as_chunks::<2>().0.iter().enumerate();
+        for (([x, y], place), number) in positions.map(|(at, xy)| (xy, at / per_pixel)).zip(first..)
+        {
+            let column = f64::from(strip.column) + place as f64;
+            let end = match self.view.along(&camera.direction(column + x, f64::from(strip.row) + y))
+            {
+                Seen::Emitted(radiance) if self.renderer.combination != Combination::Optimal => {
+                    pixels[place].push(&radiance, [0.0; 2]);
+                    continue;
+                }
                 Seen::Emitted(radiance) => End::Emitted(radiance),
                 Seen::Surface { surface, bsdf, number } => {
-                    let scene = self.renderer.scene;
                     let incident = scene.seen_from_surface(surface.position(), Some(number))?;
                     let exact =
                         ReflectedRadiance::new(&incident, surface, bsdf).from_point_lights();
                     End::Surface { surface, bsdf, incident, exact }
                 }
-            })
-        });
-        Ok(Rays { first, ends: ends.collect::<Result<_, ArgumentError>>()? })
+            };
+            rays.push(number, place, end);
+        }
+        Ok(rays)
     }
 
-    /// Adds the radiances of rays, as many for each pixel.
-    fn sample(&self, rays: &Rays<'a, V>, pixels: &mut [Pixel<V>]) -> Result<(), RenderError> {
-        let ends = &rays.ends[..];
+    /// Adds the radiances of rays to their pixels.
+    fn sample(&self, rays: &Rays<'_, V>, pixels: &mut [Pixel<V>]) -> Result<(), RenderError> {
         let Renderer { light_choice, samples: [of_lights, of_bsdf], .. } = *self.renderer;
-        let each: Vec<_> =
-            (0..self.probabilities.len()).map(|light| ToLight { ends, light }).collect();
-        let parts = each.iter().copied().zip(self.probabilities.iter().copied());
-        let (any, bsdf) = (Mixture::new(parts.collect())?, FromBsdf(ends));
-        let mut techniques: Vec<(&dyn Technique<Point = Path>, u64)> = Vec::new();
+        let lights = self.probabilities.iter().zip(0..);
+        let each: Vec<_> = lights.map(|(p, light)| (ToLight { rays, light }, *p)).collect();
+        let (any, bsdf) = (ToLights(Mixture::new(each.clone())?), FromBsdf(rays));
+        let mut techniques: Vec<(&dyn Technique<Point = Path<V>>, u64)> = Vec::new();
         match light_choice {
             LightChoice::Each => {
-                techniques.extend(each.iter().map(|light| (light as _, of_lights)))
+                techniques.extend(each.iter().map(|(light, _)| (light as _, of_lights)));
             }
             LightChoice::Uniform | LightChoice::Power => techniques.push((&any, of_lights)),
         }
@@ -159,59 +168,52 @@ impl<'a, V: Spectrum> Worker<'a, V> {
         techniques.push((&bsdf, of_bsdf));
         let per_ray: Vec<u64> = techniques.iter().map(|(_, n)| *n).collect();
         let of_a_ray: u64 = per_ray.iter().sum();
-        let n = ends.len() as u64;
+        let n = rays.ends.len() as u64;
         let mut numbers = Numbers {
             random: self.random,
-            first: rays.first,
-            rays: n,
+            rays: &rays.numbers,
             per_ray,
             replicates: 1,
             selects: false,
         };
-        let mut sums = vec![Sum { radiance: V::zero(), parts: [0.0; 2] }; ends.len()];
-        let add = |sample: &Sample<'_, Path, V>| {
+        let mut sums = vec![Sum { radiance: V::zero(), parts: [0.0; 2] }; rays.ends.len()];
+        let add = |sample: &Sample<'_, Path<V>, V>| {
             let (sum, y) = (&mut sums[sample.x().ray], sample.contribution());
             sum.radiance = sum.radiance.plus(&y);
             sum.parts[usize::from(sample.technique() >= lights)] += y.total();
         };
-        let f = Radiance(ends);
-        let counts =
-            techniques.iter().map(|(technique, m)| (*technique, m * n)).collect::<Vec<_>>();
-        let multi = || MultiSample::new(&counts);
+        let all = techniques.iter().map(|(technique, m)| (*technique, m * n));
+        let all: Vec<(&dyn Technique<Point = Path<V>>, u64)> = all.collect();
+        let multi = || MultiSample::new(&all);
+        let f = &Radiance;
         match self.renderer.combination {
-            Combination::Balance => multi()?.inspect(&f, &numbers, add)?,
-            Combination::Power => {
-                multi()?.weighting(Power::squared())?.inspect(&f, &numbers, add)?
-            }
-            Combination::Maximum => multi()?.weighting(Maximum)?.inspect(&f, &numbers, add)?,
             Combination::Constant => {
-                multi()?.weighting(Constant::equal())?.inspect(&f, &numbers, add)?
+                multi()?.weighting(Constant::equal())?.inspect(f, &numbers, add)?
             }
+            Combination::Balance => multi()?.inspect(f, &numbers, add)?,
+            Combination::Power => {
+                multi()?.weighting(Power::squared())?.inspect(f, &numbers, add)?
+            }
+            Combination::Maximum => multi()?.weighting(Maximum)?.inspect(f, &numbers, add)?,
             Combination::OneSample => {
-                let probability = |(technique, m): &_| (*technique, *m as f64 / of_a_ray as f64);
-                let selection: Vec<_> = techniques.iter().map(probability).collect();
+                let probability = |m: u64| m as f64 / of_a_ray as f64;
+                let selection =
+                    techniques.iter().map(|(technique, m)| (*technique, probability(*m)));
+                let selection: Vec<(&dyn Technique<Point = Path<V>>, f64)> = selection.collect();
                 (numbers.per_ray, numbers.selects) = (vec![of_a_ray], true);
-                OneSample::new(&selection, n * of_a_ray)?.inspect(&f, &numbers, add)?
+                OneSample::new(&selection, n * of_a_ray)?.inspect(f, &numbers, add)?
             }
             Combination::Optimal => {
                 numbers.replicates = replicates(n);
-                let optimal = OptimalMis::new(&counts)?.estimate_from(&f, &numbers)?;
-                let estimated = estimated(n, optimal.estimate(), ends);
+                let optimal = OptimalMis::new(&all)?.estimate_from(f, &numbers)?;
+                let estimated = estimated(n, optimal.estimate(), &rays.ends);
                 pixels.iter_mut().for_each(|pixel| *pixel = pixel.merge(&estimated));
                 return Ok(());
             }
         };
-        let per_pixel = ends.len() / pixels.len().max(1);
-        let rays = ends.chunks(per_pixel).zip(sums.chunks(per_pixel));
-        for (pixel, (ends, sums)) in pixels.iter_mut().zip(rays) {
-            for (end, sum) in ends.iter().zip(sums) {
-                let sampled = sum.radiance.scaled((of_a_ray as f64).recip());
-                let (exact, parts) = match end {
-                    End::Emitted(_) => (V::zero(), [0.0; 2]),
-                    End::Surface { exact, .. } => (*exact, sum.parts),
-                };
-                pixel.push(&sampled.plus(&exact), parts);
-            }
+        for ((end, sum), place) in rays.ends.iter().zip(&sums).zip(&rays.places) {
+            let sampled = sum.radiance.scaled((of_a_ray as f64).recip());
+            pixels[*place].push(&sampled.plus(&end.exact()), sum.parts);
         }
         Ok(())
     }
@@ -221,11 +223,7 @@ impl<'a, V: Spectrum> Worker<'a, V> {
 fn estimated<V: Spectrum>(rays: u64, estimate: &Estimate<V>, ends: &[End<'_, V>]) -> Pixel<V> {
     let mut exact = Pixel::empty();
     for end in ends {
-        let radiance = match end {
-            End::Emitted(_) => V::zero(),
-            End::Surface { exact, .. } => *exact,
-        };
-        exact.push(&radiance, [0.0; 2]);
+        exact.push(&end.exact(), [0.0; 2]);
     }
     let n = rays as f64;
     // How the two errors go together is not known: at worst, they add up.
