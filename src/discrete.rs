@@ -2,6 +2,9 @@
 
 use crate::error::ArgumentError;
 
+/// So many alternatives are looked through faster than a search finds one.
+const FEW: usize = 8;
+
 /// K probabilities and their running sums.
 ///
 /// `select(u)` is k for u from P₀ + ... + Pₖ₋₁, included, to P₀ + ... + Pₖ, excluded, so it is k
@@ -72,7 +75,11 @@ impl Discrete {
     pub(crate) fn select(&self, u: f64) -> usize {
         // A sum equal to u belongs to the next alternative, so an alternative of probability 0,
         // whose sum equals the one before it, is never the first whose sum exceeds u.
-        let k = self.cumulative.partition_point(|&c| c <= u);
+        let k = if self.cumulative.len() <= FEW {
+            self.cumulative.iter().filter(|&&c| c <= u).count()
+        } else {
+            self.cumulative.partition_point(|&c| c <= u)
+        };
         k.clamp(self.first, self.last)
     }
 }

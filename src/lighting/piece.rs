@@ -81,11 +81,11 @@ impl Piece {
             x,
             y,
             height,
-            before: solid_angle(start, y, height),
+            before: if x.low == 0.0 { 0.0 } else { solid_angle(start, y, height) },
             within: solid_angle(x, y, height),
             beyond,
             gamma: {
-                let length = height.hypot(y.high);
+                let length = (height * height + y.high * y.high).sqrt();
                 (height / length, y.high / length)
             },
         }
@@ -139,12 +139,13 @@ fn solid_angle(x: Interval, y: Interval, h: f64) -> f64 {
     let [a, b, c, d] = [(x.low, y.low), (x.high, y.low), (x.high, y.high), (x.low, y.high)]
         .map(|(x, y)| DVec3::new(x, y, h));
     let determinant = h * x.width * y.width;
-    let triangle = |p: DVec3, q: DVec3, r: DVec3| {
-        let (lp, lq, lr) = (p.length(), q.length(), r.length());
-        let sum = lp * lq * lr + p.dot(q) * lr + q.dot(r) * lp + r.dot(p) * lq;
-        2.0 * determinant.atan2(sum)
-    };
-    triangle(a, b, c) + triangle(a, c, d)
+    let [la, lb, lc, ld] = [a, b, c, d].map(DVec3::length);
+    let ac = a.dot(c);
+    let abc = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + ac * lb;
+    let acd = la * lc * ld + ac * ld + c.dot(d) * la + d.dot(a) * lc;
+    // Both at once, by the arctangent of a sum; scaled, for squares may leave the range.
+    let (p, q) = (determinant / abc, determinant / acd);
+    2.0 * (p + q).atan2(1.0 - p * q)
 }
 
 #[cfg(test)]

@@ -103,8 +103,7 @@ impl<'a, V: Spectrum> Rays<'a, V> {
 
     /// The ray that a canonical number stands for.
     fn ray(&self, xi: f64) -> usize {
-        // Rounding down is meant; the last ray takes what rounds up to the number of rays.
-        ((xi * self.ends.len() as f64) as usize).min(self.ends.len() - 1)
+        index(xi, self.ends.len())
     }
 
     /// The path of this ray and the direction `w`, which its `own` technique has sampled.
@@ -155,6 +154,13 @@ fn mean_pdf<V: Spectrum>(bsdf: &dyn Bsdf<Value = V>, surface: &Surface, w: &Dire
     (0..lobes).map(|lobe| bsdf.pdf(lobe, surface, w)).sum::<f64>() / lobes as f64
 }
 
+/// Which of so many a canonical number stands for.
+fn index(xi: f64, of: usize) -> usize {
+    // Rounding down is meant; the last one takes what rounds up to their number. There are fewer than
+    // 2^31 of anything here, which is the fastest to convert.
+    ((xi * f64::from(of as i32)) as i32 as usize).min(of - 1)
+}
+
 /// The radiance along a path. Its integral over rays and directions, with the mean over the rays and
 /// per steradian, is the mean radiance of the rays.
 pub(super) struct Radiance;
@@ -183,8 +189,8 @@ impl<V: Spectrum> Technique for ToLight<'_, V> {
     }
 
     fn sample(&self, xi: &[f64]) -> Path<V> {
-        let ray = self.rays.ray(canonical(xi, 0));
-        let xi = xi.get(1..).unwrap_or_default();
+        let (ray, xi) = xi.split_first().unwrap_or((&f64::NAN, &[]));
+        let ray = self.rays.ray(*ray);
         let w = match &self.rays.ends[ray] {
             End::Surface { incident, .. } if let Some(light) = incident.numbered(self.light) => {
                 light.sample(xi)
@@ -236,12 +242,13 @@ impl<V: Spectrum> Technique for FromBsdf<'_, V> {
     }
 
     fn sample(&self, xi: &[f64]) -> Path<V> {
-        let ray = self.0.ray(canonical(xi, 1));
-        let own = xi.get(2..).unwrap_or_default();
+        let (lobe, xi) = xi.split_first().unwrap_or((&f64::NAN, &[]));
+        let (ray, own) = xi.split_first().unwrap_or((&f64::NAN, &[]));
+        let ray = self.0.ray(*ray);
         let w = match &self.0.ends[ray] {
             End::Surface { surface, bsdf, .. } => {
                 let lobes = bsdf.lobes();
-                let lobe = ((canonical(xi, 0) * lobes as f64) as usize).min(lobes - 1);
+                let lobe = if lobes == 1 { 0 } else { index(*lobe, lobes) };
                 bsdf.sample(lobe, surface, own)
             }
             End::Emitted(_) => anywhere(own),
