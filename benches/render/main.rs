@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use mis::lighting::{Camera, DVec3, GgxConductor, Light, Rectangle, Renderer, Scene, Sphere};
 
-const SIZE: u32 = 256;
+const SIZE: u32 = 96;
 /// Samples of the lights, and of the BSDF, for each pixel.
 const EACH: u64 = 16;
 
@@ -42,7 +42,7 @@ fn main() {
         return;
     }
     // `cargo bench -- --test` wants to know whether it runs.
-    let runs = if has("--test") { 1 } else { 15 };
+    let runs = if has("--test") { 1 } else { 200 };
 
     let rows: [(&str, &dyn Fn(u64) -> f64); 3] =
         [("by hand", &loop_by_hand), ("renderer", &one), ("renderer, 2 threads", &two)];

@@ -31,6 +31,7 @@ impl<V: Spectrum> Incident<V> {
     }
 
     /// The light with this number in the scene, if it fills a solid angle.
+    #[inline(always)]
     pub(super) fn numbered(&self, number: usize) -> Option<&SeenLight<V>> {
         // Lights before it may be missing.
         let place = self.lights.get(number).filter(|light| light.number == number);
@@ -50,6 +51,7 @@ impl<V: Spectrum> Incident<V> {
 
     /// The light that is seen in the direction `w`; `meet` is told of every one that it meets, hidden or
     /// not.
+    #[inline(always)]
     pub(super) fn visible(
         &self,
         w: &Direction,

@@ -192,7 +192,7 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
             let rule = "constant weights need one technique for all lights";
             return Err(ArgumentError::new(OWNER, "light_choice", self.light_choice, rule).into());
         }
-        let worker = Worker::new(self, seed);
+        let worker = Worker::new(self, seed)?;
         let strips = Strip::all(self.columns.clone(), self.rows.clone(), self.rays);
         let done = AtomicU64::new(0);
         let work = |strip: &Strip| {

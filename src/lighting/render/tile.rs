@@ -1,14 +1,15 @@
 //! Tiles: the rays of a few pixels, sampled together.
 
 use super::numbers::Numbers;
-use super::path::{Densities, End, FromBsdf, Path, Radiance, Rays, ToLight, ToLights};
+use super::path::{Densities, End, Path, Radiance, Rays, Target, Towards};
 use super::picture::Pixel;
 use super::{Combination, LightChoice, RenderError, Renderer};
+use crate::discrete::Discrete;
 use crate::lighting::reflected::ReflectedRadiance;
 use crate::lighting::scene::{Seen, View};
 use crate::lighting::spectrum::Spectrum;
 use crate::points::{PointSource, Random};
-use crate::technique::{Mixture, Technique};
+use crate::technique::Technique;
 use crate::weighting::{Constant, Maximum, Power};
 use crate::{Estimate, EstimateError, Estimator, MultiSample, OneSample, OptimalMis, Sample};
 
@@ -62,8 +63,8 @@ pub(super) struct Worker<'a, V> {
     renderer: &'a Renderer<'a, V>,
     view: View<'a, V>,
     random: Random,
-    /// The probabilities of the lights, where they are one technique.
-    probabilities: Vec<f64>,
+    /// The lights, where they are one technique.
+    lights: Discrete,
 }
 
 /// What the samples at one ray add up to.
@@ -74,10 +75,11 @@ struct Sum<V> {
 }
 
 impl<'a, V: Spectrum> Worker<'a, V> {
-    pub(super) fn new(renderer: &'a Renderer<'a, V>, seed: u64) -> Self {
+    pub(super) fn new(renderer: &'a Renderer<'a, V>, seed: u64) -> Result<Self, RenderError> {
         let view = renderer.scene.view_from(renderer.camera.eye());
         let probabilities = renderer.light_probabilities();
-        Self { renderer, view, random: Random::new(seed), probabilities }
+        let lights = Discrete::new("Renderer", "light_choice", &probabilities)?;
+        Ok(Self { renderer, view, random: Random::new(seed), lights })
     }
 
     /// The densities that the estimator needs.
@@ -127,7 +129,7 @@ impl<'a, V: Spectrum> Worker<'a, V> {
         let mut film = vec![0.0; 2 * per_pixel * pixels.len()];
         // Where there are several pixels, these are all their rays.
         self.random.fill(FILM, first, 2, &mut film).map_err(EstimateError::from)?;
-        let mut rays = Rays::new(film.len() / 2, &self.probabilities, self.densities());
+        let mut rays = Rays::new(film.len() / 2, self.lights.probabilities(), self.densities());
         let positions = film.as_chunks::<2>().0.iter().enumerate();
         for (([x, y], place), number) in positions.map(|(at, xy)| (xy, at / per_pixel)).zip(first..)
         {
@@ -154,18 +156,18 @@ impl<'a, V: Spectrum> Worker<'a, V> {
     /// Adds the radiances of rays to their pixels.
     fn sample(&self, rays: &Rays<'_, V>, pixels: &mut [Pixel<V>]) -> Result<(), RenderError> {
         let Renderer { light_choice, samples: [of_lights, of_bsdf], .. } = *self.renderer;
-        let lights = self.probabilities.iter().zip(0..);
-        let each: Vec<_> = lights.map(|(p, light)| (ToLight { rays, light }, *p)).collect();
-        let (any, bsdf) = (ToLights(Mixture::new(each.clone())?), FromBsdf(rays));
-        let mut techniques: Vec<(&dyn Technique<Point = Path<V>>, u64)> = Vec::new();
-        match light_choice {
+        let lights = match light_choice {
             LightChoice::Each => {
-                techniques.extend(each.iter().map(|(light, _)| (light as _, of_lights)));
+                (0..self.lights.probabilities().len()).map(Target::Light).collect()
             }
-            LightChoice::Uniform | LightChoice::Power => techniques.push((&any, of_lights)),
-        }
-        let lights = techniques.len();
+            LightChoice::Uniform | LightChoice::Power => vec![Target::Lights(self.lights.clone())],
+        };
+        let lights: Vec<_> = lights.into_iter().map(|target| Towards { rays, target }).collect();
+        let bsdf = Towards { rays, target: Target::Bsdf };
+        let mut techniques: Vec<(&dyn Technique<Point = Path<V>>, u64)> = Vec::new();
+        techniques.extend(lights.iter().map(|light| (light as _, of_lights)));
         techniques.push((&bsdf, of_bsdf));
+        let lights = lights.len();
         let per_ray: Vec<u64> = techniques.iter().map(|(_, n)| *n).collect();
         let of_a_ray: u64 = per_ray.iter().sum();
         let n = rays.ends.len() as u64;
