@@ -130,7 +130,7 @@ impl Point {
     }
 
     /// A mirror direction of a visible normal (Dupuy and Benyoub 2023).
-    fn from_floor(&self, u: f64, turn: f64) -> V {
+    fn off_floor(&self, u: f64, turn: f64) -> V {
         let v = unit([ALPHA * self.v[0], ALPHA * self.v[1], self.v[2]]);
         let z = 1.0 - u * (1.0 + v[2]);
         let sin = (1.0 - z * z).sqrt();
@@ -224,7 +224,7 @@ pub(crate) fn render(size: u32, each: u64, seed: u64) -> f64 {
             sum += point.contribution(w);
         }
         for _ in 0..each {
-            let w = point.from_floor(uniform(&mut generator), uniform(&mut generator));
+            let w = point.off_floor(uniform(&mut generator), uniform(&mut generator));
             sum += point.contribution(w);
         }
         *pixel = sum / each as f64;

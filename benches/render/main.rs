@@ -35,9 +35,18 @@ fn main() {
         move |seed| renderer.render(seed).unwrap().mean()
     };
     let (one, two) = (with(1), with(2));
+    // A ray of its own for each pair of samples.
+    let rays = |seed| {
+        let renderer = Renderer::new(&scene, &camera).rays(EACH).unwrap().threads(1).unwrap();
+        renderer.render(seed).unwrap().mean()
+    };
     let loop_by_hand = |seed| by_hand::render(SIZE, EACH, seed);
     if has("hand") || has("renderer") {
-        let mean = if has("hand") { loop_by_hand(1) } else { one(1) };
+        let mean = match () {
+            () if has("hand") => loop_by_hand(1),
+            () if has("rays") => rays(1),
+            () => one(1),
+        };
         println!("mean {mean:.5}");
         return;
     }

@@ -61,7 +61,7 @@ pub trait Bsdf: Debug + Send + Sync {
     where
         Self: Sized,
     {
-        (0..self.lobes()).map(|lobe| Lobe { bsdf: self, lobe, surface: *surface }).collect()
+        (0..self.lobes()).map(|number| Lobe { bsdf: self, number, surface: *surface }).collect()
     }
 }
 
@@ -69,7 +69,7 @@ pub trait Bsdf: Debug + Send + Sync {
 #[derive(Debug)]
 pub struct Lobe<'a, B: ?Sized> {
     bsdf: &'a B,
-    lobe: usize,
+    number: usize,
     surface: Surface,
 }
 
@@ -81,15 +81,15 @@ impl<B: Bsdf + ?Sized> Technique for Lobe<'_, B> {
     }
 
     fn sample(&self, xi: &[f64]) -> Direction {
-        self.bsdf.sample(self.lobe, &self.surface, xi)
+        self.bsdf.sample(self.number, &self.surface, xi)
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
-        self.bsdf.pdf(self.lobe, &self.surface, w)
+        self.bsdf.pdf(self.number, &self.surface, w)
     }
 
     fn ln_pdf(&self, w: &Direction) -> f64 {
-        self.bsdf.ln_pdf(self.lobe, &self.surface, w)
+        self.bsdf.ln_pdf(self.number, &self.surface, w)
     }
 }
 

@@ -52,6 +52,11 @@
 //! Directions are `f64`: sizes and lobes below about 1e-12 radians are near their resolution (see
 //! [`Direction`]). Lights emit the same radiance everywhere; surfaces are opaque.
 
+#![expect(
+    clippy::inline_always,
+    reason = "a call keeps a loop from being compiled for the processor's vectors"
+)]
+
 mod bsdf;
 mod camera;
 mod direction;

@@ -38,6 +38,7 @@ pub(super) enum Densities {
 }
 
 /// What a ray of the camera meets.
+#[expect(clippy::large_enum_variant, reason = "nearly all are surfaces")]
 pub(super) enum End<'a, V> {
     /// Radiance as it is emitted; it does not depend on a direction of light.
     Emitted(V),
@@ -153,11 +154,11 @@ fn mean_pdf<V: Spectrum>(bsdf: &dyn Bsdf<Value = V>, surface: &Surface, w: &Dire
 }
 
 /// Which of so many a canonical number stands for.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "so it is defined")]
 #[inline(always)]
 fn index(xi: f64, of: usize) -> usize {
-    // Rounding down is meant; the last one takes what rounds up to their number. There are fewer than
-    // 2^31 of anything here, which is the fastest to convert.
-    ((xi * f64::from(of as i32)) as i32 as usize).min(of - 1)
+    // Rounding down is meant; the last one takes what rounds up to their number.
+    ((xi * of as f64) as usize).min(of - 1)
 }
 
 /// The radiance along a path. Its integral over rays and directions, with the mean over the rays and

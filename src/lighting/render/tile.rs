@@ -17,7 +17,7 @@ use crate::{Estimate, EstimateError, Estimator, MultiSample, OneSample, OptimalM
 const RAYS: u64 = 128;
 
 /// The most rays of a pixel in a strip; optimal weights are fitted to so many.
-const MOST_RAYS: u64 = 4096;
+const MOST_RAYS: usize = 4096;
 
 /// About so many rays are a worker's task.
 const TASK: u64 = 2048;
@@ -48,8 +48,8 @@ impl Strip {
         for row in rows {
             for column in columns.clone().step_by(wide as usize) {
                 let pixels = wide.min(columns.end - column);
-                for first in (0..rays).step_by(MOST_RAYS as usize) {
-                    let rays = MOST_RAYS.min(rays - first);
+                for first in (0..rays).step_by(MOST_RAYS) {
+                    let rays = (MOST_RAYS as u64).min(rays - first);
                     strips.push(Self { row, column, pixels, first, rays });
                 }
             }
@@ -107,10 +107,11 @@ impl<'a, V: Spectrum> Worker<'a, V> {
             (usize::try_from(RAYS / strip.rays).unwrap_or(1).max(1), RAYS.min(strip.rays))
         };
         for (pixels, column) in pixels.chunks_mut(wide).zip((strip.column..).step_by(wide)) {
-            for first in (0..strip.rays).step_by(deep as usize) {
-                let rays = deep.min(strip.rays - first);
-                let rays = Strip { column, first: strip.first + first, rays, ..*strip };
-                let rays = self.rays(&rays, pixels)?;
+            let mut left = Strip { column, ..*strip };
+            while left.rays > 0 {
+                let tile = Strip { rays: deep.min(left.rays), ..left };
+                (left.first, left.rays) = (tile.first + tile.rays, left.rays - tile.rays);
+                let rays = self.rays(&tile, pixels)?;
                 if !rays.ends.is_empty() {
                     self.sample(&rays, pixels)?;
                 }
@@ -209,7 +210,9 @@ impl<'a, V: Spectrum> Worker<'a, V> {
                 numbers.replicates = replicates(n);
                 let optimal = OptimalMis::new(&all)?.estimate_from(f, &numbers)?;
                 let estimated = estimated(n, optimal.estimate(), &rays.ends);
-                pixels.iter_mut().for_each(|pixel| *pixel = pixel.merge(&estimated));
+                for pixel in pixels {
+                    *pixel = pixel.merge(&estimated);
+                }
                 return Ok(());
             }
         };
