@@ -1,7 +1,7 @@
 //! The uniform density on a finite interval.
 
 use super::columns::density;
-use super::{InverseCdf, Technique, batch, canonical, open};
+use super::{InverseCdf, Technique, batch, canonical, open, rows};
 use crate::error::{ArgumentError, finite, greater};
 use crate::vectors::vectorised;
 
@@ -46,6 +46,10 @@ impl Uniform {
     #[must_use]
     pub fn unit() -> Self {
         Self { a: 0.0, b: 1.0 }
+    }
+
+    pub(super) fn ends(&self) -> (f64, f64) {
+        (self.a, self.b)
     }
 
     #[inline]
@@ -110,6 +114,9 @@ impl InverseCdf for Uniform {
     }
 
     fn sample_rows<P: AsMut<[f64]>>(coordinates: &[Self], xi: &[f64], xs: &mut [P]) {
+        if coordinates.len() >= rows::FEWEST {
+            return rows::place(coordinates, xi, xs);
+        }
         // The coordinates of a point go into one vector.
         vectorised(
             #[inline(always)]
@@ -124,6 +131,16 @@ impl InverseCdf for Uniform {
     }
 
     fn pdf_rows<P: AsRef<[f64]>>(coordinates: &[Self], xs: &[P], out: &mut [f64]) {
+        if coordinates.len() >= rows::FEWEST {
+            rows::within(coordinates, xs, out);
+            let first = out.iter().zip(xs).find(|(inside, _)| **inside > 0.0);
+            let p = first.map_or(0.0, |(_, x)| density(coordinates, x.as_ref()));
+            if p != 1.0 {
+                // Not a product, which would be NaN at 0 times infinity.
+                out.iter_mut().for_each(|out| *out = if *out > 0.0 { p } else { 0.0 });
+            }
+            return;
+        }
         // It is the same wherever it is not 0.
         let mut within = None;
         vectorised(
