@@ -11,11 +11,7 @@ pub(super) const FEWEST: usize = 4;
 
 /// Puts the canonical numbers of the rows of `xi`, moved into the open unit interval, to their
 /// places between the sides.
-pub(super) fn place<P: AsMut<[f64]>>(
-    sides: &[Side],
-    xi: &[f64],
-    xs: &mut [P],
-) {
+pub(super) fn place<P: AsMut<[f64]>>(sides: &[Side], xi: &[f64], xs: &mut [P]) {
     dispatch!(Level::new(), simd => if sides.len() < 8 {
         place_lanes::<_, f64x4<_>, P>(simd, sides, xi, xs);
     } else {
@@ -24,11 +20,7 @@ pub(super) fn place<P: AsMut<[f64]>>(
 }
 
 /// 1 for each point that is between all sides, else 0.
-pub(super) fn within<P: AsRef<[f64]>>(
-    sides: &[Side],
-    xs: &[P],
-    out: &mut [f64],
-) {
+pub(super) fn within<P: AsRef<[f64]>>(sides: &[Side], xs: &[P], out: &mut [f64]) {
     dispatch!(Level::new(), simd => if sides.len() < 8 {
         within_lanes::<_, f64x4<_>, P>(simd, sides, xs, out);
     } else {
@@ -46,10 +38,7 @@ fn vectors(dimension: usize, lanes: usize) -> impl Iterator<Item = std::ops::Ran
 
 /// The lower ends and the upper ends of coordinates.
 #[inline(always)]
-fn ends<S: Simd, V: SimdFloat<S, Element = f64>>(
-    simd: S,
-    sides: &[Side],
-) -> (V, V) {
+fn ends<S: Simd, V: SimdFloat<S, Element = f64>>(simd: S, sides: &[Side]) -> (V, V) {
     let (mut lower, mut upper) = (V::splat(simd, 0.0), V::splat(simd, 0.0));
     let lanes = lower.as_mut_slice().iter_mut().zip(upper.as_mut_slice());
     lanes.zip(sides).for_each(|((lower, upper), side)| (*lower, *upper) = side.ends());
@@ -69,7 +58,7 @@ fn place_lanes<S: Simd, V: SimdFloat<S, Element = f64>, P: AsMut<[f64]>>(
     let unit = sides.iter().all(|side| side.ends() == (0.0, 1.0));
     for (xs, xi) in xs.chunks_mut(ROWS).zip(xi.chunks(ROWS * sides.len())) {
         for at in vectors(sides.len(), V::LEN) {
-            let (lower, upper) = ends::<S, V>(simd, &sides[at.clone()]);
+            let (lower, upper) = ends::<S, V>(simd, sides.get(at.clone()).unwrap_or_default());
             let width = upper - lower;
             for (x, xi) in xs.iter_mut().zip(xi.chunks_exact(sides.len())) {
                 let (Some(x), Some(u)) = (x.as_mut().get_mut(at.clone()), xi.get(at.clone()))
@@ -104,7 +93,7 @@ fn within_lanes<S: Simd, V: SimdFloat<S, Element = f64>, P: AsRef<[f64]>>(
     out.fill(1.0);
     for (xs, out) in xs.chunks(ROWS).zip(out.chunks_mut(ROWS)) {
         for at in vectors(sides.len(), V::LEN) {
-            let (lower, upper) = ends::<S, V>(simd, &sides[at.clone()]);
+            let (lower, upper) = ends::<S, V>(simd, sides.get(at.clone()).unwrap_or_default());
             for (out, x) in out.iter_mut().zip(xs) {
                 let Some(x) = x.as_ref().get(at.clone()) else { continue };
                 let x = V::from_slice(simd, x);
@@ -112,5 +101,83 @@ fn within_lanes<S: Simd, V: SimdFloat<S, Element = f64>, P: AsRef<[f64]>>(
                 *out = if inside.all_true() { *out } else { 0.0 };
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ProductVec, Technique, Uniform, UniformBox};
+
+    /// Boxes of `d` sides: the unit cube, and one that is no cube.
+    fn boxes(d: usize) -> [ProductVec<Uniform>; 2] {
+        let sides = (0..d).map(|k| Uniform::new(-0.1 - k as f64, 0.2 + (k * k) as f64).unwrap());
+        [ProductVec::new(vec![Uniform::unit(); d]), ProductVec::new(sides.collect())]
+            .map(Result::unwrap)
+    }
+
+    /// As bits, which tell -0 from 0; all NaN are one.
+    fn bits(x: f64) -> u64 {
+        if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }
+    }
+
+    #[test]
+    fn places_are_those_of_single_points_to_the_bit() {
+        let xi = |k: usize| match k % 19 {
+            3 => 0.0,
+            5 => 1.0,
+            7 => f64::NAN,
+            11 => -1.0,
+            13 => 2.0,
+            14 => 0.5,
+            15 => 0.5 - f64::EPSILON / 4.0,
+            k => (k as f64 * 0.618_033_988_749_894_9).fract(),
+        };
+        for d in 1..20 {
+            for p in boxes(d) {
+                for n in [0, 1, 63, 64, 65, 200] {
+                    let xi: Vec<f64> = (0..n * d).map(xi).collect();
+                    let mut xs = Vec::new();
+                    p.sample_batch(&xi, &mut xs);
+                    assert_eq!(xs.len(), n);
+                    for (x, xi) in xs.iter().zip(xi.chunks(d)) {
+                        let single = p.sample(xi);
+                        assert!(x.iter().map(|x| bits(*x)).eq(single.iter().map(|x| bits(*x))));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn densities_are_those_of_single_points() {
+        for d in 1..20 {
+            for p in boxes(d) {
+                let centre = p.sample(&vec![0.5; d]);
+                // One coordinate at, before and beyond each end of its side; the first is outside.
+                let mut xs = Vec::new();
+                for (k, side) in p.coordinates().iter().enumerate() {
+                    let (a, b) = side.ends();
+                    for value in [a.next_down(), a, b, b.next_up(), f64::NAN, f64::INFINITY] {
+                        let mut x = centre.clone();
+                        x[k] = value;
+                        xs.push(x);
+                    }
+                }
+                let mut out = vec![f64::NAN; xs.len()];
+                p.pdf_batch(&xs, &mut out);
+                let single: Vec<f64> = xs.iter().map(|x| p.pdf(x)).collect();
+                assert_eq!(out, single);
+                assert_eq!(out.iter().filter(|p| **p > 0.0).count(), 2 * d);
+            }
+        }
+    }
+
+    /// 0 times infinity is NaN.
+    #[test]
+    fn outside_a_density_that_overflows_it_is_zero() {
+        let p = UniformBox::uniform([0.0; 4], [1e-200; 4]).unwrap();
+        let mut out = [f64::NAN; 2];
+        p.pdf_batch(&[[0.0; 4], [1.0; 4]], &mut out);
+        assert_eq!(out, [f64::INFINITY, 0.0]);
     }
 }

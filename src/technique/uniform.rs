@@ -137,7 +137,9 @@ impl InverseCdf for Uniform {
             let p = first.map_or(0.0, |(_, x)| density(coordinates, x.as_ref()));
             if p != 1.0 {
                 // Not a product, which would be NaN at 0 times infinity.
-                out.iter_mut().for_each(|out| *out = if *out > 0.0 { p } else { 0.0 });
+                for out in out {
+                    *out = if *out > 0.0 { p } else { 0.0 };
+                }
             }
             return;
         }
