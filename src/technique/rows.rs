@@ -2,29 +2,28 @@
 
 #![expect(clippy::inline_always, reason = "what is not inlined is not compiled for the vectors")]
 
-use fearless_simd::{Level, Simd, dispatch, f64x4, f64x8, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f64x2, f64x4, f64x8, prelude::*};
 
-use super::{LARGEST, SMALLEST, Uniform as Side};
-
-/// The fewest coordinates that these functions are for.
-pub(super) const FEWEST: usize = 4;
+use super::{LARGEST, SMALLEST, Uniform as Side, open};
 
 /// Puts the canonical numbers of the rows of `xi`, moved into the open unit interval, to their
 /// places between the sides.
 pub(super) fn place<P: AsMut<[f64]>>(sides: &[Side], xi: &[f64], xs: &mut [P]) {
-    dispatch!(Level::new(), simd => if sides.len() < 8 {
-        place_lanes::<_, f64x4<_>, P>(simd, sides, xi, xs);
-    } else {
-        place_lanes::<_, f64x8<_>, P>(simd, sides, xi, xs);
+    dispatch!(Level::new(), simd => match sides.len() {
+        ..2 => place_single(sides, xi, xs),
+        2..4 => place_lanes::<_, f64x2<_>, P>(simd, sides, xi, xs),
+        4..8 => place_lanes::<_, f64x4<_>, P>(simd, sides, xi, xs),
+        8.. => place_lanes::<_, f64x8<_>, P>(simd, sides, xi, xs),
     });
 }
 
 /// 1 for each point that is between all sides, else 0.
 pub(super) fn within<P: AsRef<[f64]>>(sides: &[Side], xs: &[P], out: &mut [f64]) {
-    dispatch!(Level::new(), simd => if sides.len() < 8 {
-        within_lanes::<_, f64x4<_>, P>(simd, sides, xs, out);
-    } else {
-        within_lanes::<_, f64x8<_>, P>(simd, sides, xs, out);
+    dispatch!(Level::new(), simd => match sides.len() {
+        ..2 => within_single(sides, xs, out),
+        2..4 => within_lanes::<_, f64x2<_>, P>(simd, sides, xs, out),
+        4..8 => within_lanes::<_, f64x4<_>, P>(simd, sides, xs, out),
+        8.. => within_lanes::<_, f64x8<_>, P>(simd, sides, xs, out),
     });
 }
 
@@ -80,6 +79,24 @@ fn place_lanes<S: Simd, V: SimdFloat<S, Element = f64>, P: AsMut<[f64]>>(
                 u.simd_lt(0.5).select(from_lower, from_upper).store_slice(x);
             }
         }
+    }
+}
+
+/// Points of one coordinate: the lanes are the compiler's.
+#[inline(always)]
+fn place_single<P: AsMut<[f64]>>(sides: &[Side], xi: &[f64], xs: &mut [P]) {
+    let Some(side) = sides.first() else { return };
+    for (x, u) in xs.iter_mut().zip(xi) {
+        x.as_mut().iter_mut().for_each(|x| *x = side.place(open(*u)));
+    }
+}
+
+#[inline(always)]
+fn within_single<P: AsRef<[f64]>>(sides: &[Side], xs: &[P], out: &mut [f64]) {
+    let Some(side) = sides.first() else { return };
+    for (out, x) in out.iter_mut().zip(xs) {
+        let inside = x.as_ref().iter().all(|x| side.contains(*x));
+        *out = if inside { 1.0 } else { 0.0 };
     }
 }
 
