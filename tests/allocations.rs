@@ -120,8 +120,7 @@ fn run(
 fn assert_steady(estimator: &impl Estimator<f64>, points: &impl PointSource, tenths: bool) {
     let [few, early, late, most] =
         [125_000, 250_000, 500_000, 1_000_000].map(|n| run(estimator, points, tenths, n));
-    let (first, last) =
-        (early.count_total - few.count_total, most.count_total - late.count_total);
+    let (first, last) = (early.count_total - few.count_total, most.count_total - late.count_total);
     assert!(last <= first + 30, "{first}, {last} allocations, with a tally: {tenths}");
     // What a node of the tree holds for its two techniques.
     let node = 2 * points.replicates() * if tenths { 64 + 10 * 24 } else { 64 };
