@@ -115,19 +115,19 @@ fn run(
     })
 }
 
-/// The last round has `chunks` chunks more than the first, and allocates hardly more often: one level
-/// more of the tree.
+/// The last round has 45 chunks more than the first (18 where they are larger, of replicates), and
+/// allocates at most `more` times more often, for two levels of the tree.
 #[track_caller]
 fn assert_steady(
     estimator: &impl Estimator<f64>,
     points: &impl PointSource,
     tenths: bool,
-    chunks: u64,
+    more: u64,
 ) {
     let [few, early, late, most] =
         [125_000, 250_000, 500_000, 1_000_000].map(|n| run(estimator, points, tenths, n));
     let (first, last) = (early.count_total - few.count_total, most.count_total - late.count_total);
-    assert!(last <= first + chunks / 2 + 3, "{first}, {last} allocations, with a tally: {tenths}");
+    assert!(last <= first + more, "{first}, {last} allocations, with a tally: {tenths}");
     // What a node of the tree holds for its two techniques.
     let node = 2 * points.replicates() * if tenths { 64 + 10 * 24 } else { 64 };
     let bytes_per_level = (most.bytes_max - few.bytes_max) as f64 / 8_f64.log2();
@@ -137,20 +137,20 @@ fn assert_steady(
 
 /// Of estimators with and without a tally, each with one kind of points, and the others with the other.
 #[track_caller]
-fn assert_both_steady(points: &impl PointSource, tenths: [bool; 2], chunks: u64) {
+fn assert_both_steady(points: &impl PointSource, tenths: [bool; 2], more: u64) {
     let (flat, ramp) = (Uniform::unit(), Linear::new(0.0, 1.0, 1.0, 3.0).unwrap());
-    assert_steady(&MultiSample::new(&[(&flat, 1), (&ramp, 1)]).unwrap(), points, tenths[0], chunks);
+    assert_steady(&MultiSample::new(&[(&flat, 1), (&ramp, 1)]).unwrap(), points, tenths[0], more);
     assert_steady(
         &OneSample::new(&[(&flat, 0.5), (&ramp, 0.5)], 1).unwrap(),
         points,
         tenths[1],
-        chunks,
+        more,
     );
 }
 
 #[test]
 fn runs_with_random_points() {
-    assert_both_steady(&Random::new(1), [false, true], 45);
+    assert_both_steady(&Random::new(1), [false, true], 25);
 }
 
 #[test]
@@ -158,5 +158,5 @@ fn runs_with_sobol_points() {
     let sobol = Sobol::new(1);
     // The first of all unpacks the direction numbers.
     sobol.fill(0, 0, 2, &mut [0.0; 2]).unwrap();
-    assert_both_steady(&sobol, [true, false], 22);
+    assert_both_steady(&sobol, [true, false], 14);
 }
