@@ -96,7 +96,8 @@ impl<V: Spectrum> Scene<V> {
             return Err(ArgumentError::new("Scene", "point", point, "it must be finite"));
         }
         // What fills no solid angle neither lights nor shadows the point.
-        let (mut lights, mut occluders) = (Vec::with_capacity(self.lights.len()), Vec::new());
+        let mut lights = Vec::with_capacity(self.lights.len());
+        let mut occluders = Vec::with_capacity(self.surfaces.len() + self.occluders.len());
         for (number, light) in self.lights.iter().enumerate() {
             if light.is_behind(point) {
                 occluders.extend(light.shape().outline_from(point));
