@@ -15,6 +15,8 @@ use super::camera::Camera;
 use super::scene::Scene;
 use super::spectrum::Spectrum;
 use crate::error::{ArgumentError, EstimateError};
+use crate::estimator::Buffers;
+use path::Path;
 use tile::{Strip, Worker};
 
 /// How the samples of the lights and those of the BSDF are combined.
@@ -195,8 +197,8 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
         let worker = Worker::new(self, seed)?;
         let strips = Strip::all(self.columns.clone(), self.rows.clone(), self.rays);
         let done = AtomicU64::new(0);
-        let work = |strip: &Strip| {
-            let pixels = worker.strip(strip)?;
+        let work = |buffers: &mut Buffers<Path<V>, V>, strip: &Strip| {
+            let pixels = worker.strip(strip, buffers)?;
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             if let Some(watch) = self.watch {
                 watch(done as f64 / strips.len() as f64);
@@ -220,19 +222,22 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
     fn run<T: Send>(
         &self,
         strips: &[Strip],
-        work: impl Fn(&Strip) -> Result<T, RenderError> + Sync + Send,
+        work: impl Fn(&mut Buffers<Path<V>, V>, &Strip) -> Result<T, RenderError> + Sync + Send,
     ) -> Result<Vec<T>, RenderError> {
         use rayon::prelude::*;
         match self.threads {
-            None => strips.par_iter().map(work).collect(),
-            Some(1) => strips.iter().map(work).collect(),
+            None => strips.par_iter().map_init(Buffers::new, work).collect(),
+            Some(1) => {
+                let mut buffers = Buffers::new();
+                strips.iter().map(|strip| work(&mut buffers, strip)).collect()
+            }
             Some(threads) => {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
                 let pool = pool.map_err(|error| RenderError::Threads {
                     threads,
                     message: error.to_string(),
                 })?;
-                pool.install(|| strips.par_iter().map(work).collect())
+                pool.install(|| strips.par_iter().map_init(Buffers::new, work).collect())
             }
         }
     }
@@ -242,9 +247,10 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
     fn run<T>(
         &self,
         strips: &[Strip],
-        work: impl Fn(&Strip) -> Result<T, RenderError>,
+        work: impl Fn(&mut Buffers<Path<V>, V>, &Strip) -> Result<T, RenderError>,
     ) -> Result<Vec<T>, RenderError> {
-        strips.iter().map(work).collect()
+        let mut buffers = Buffers::new();
+        strips.iter().map(|strip| work(&mut buffers, strip)).collect()
     }
 
     /// The probabilities of the lights, where all are one technique.

@@ -5,13 +5,14 @@ use super::path::{Densities, End, Path, Radiance, Rays, Target, Towards};
 use super::picture::Pixel;
 use super::{Combination, LightChoice, RenderError, Renderer};
 use crate::discrete::Discrete;
+use crate::estimator::{Buffers, InspectWith};
 use crate::lighting::reflected::ReflectedRadiance;
 use crate::lighting::scene::{Seen, View};
 use crate::lighting::spectrum::Spectrum;
 use crate::points::{PointSource, Random};
 use crate::technique::Technique;
 use crate::weighting::{Constant, Maximum, Power};
-use crate::{Estimate, EstimateError, Estimator, MultiSample, OneSample, OptimalMis, Sample};
+use crate::{Estimate, EstimateError, MultiSample, OneSample, OptimalMis, Sample};
 
 /// How many rays are sampled together: what is known of their ends fits the second-level cache.
 const RAYS: u64 = 128;
@@ -98,7 +99,11 @@ impl<'a, V: Spectrum> Worker<'a, V> {
     }
 
     /// The pixels of a strip.
-    pub(super) fn strip(&self, strip: &Strip) -> Result<Vec<Pixel<V>>, RenderError> {
+    pub(super) fn strip(
+        &self,
+        strip: &Strip,
+        buffers: &mut Buffers<Path<V>, V>,
+    ) -> Result<Vec<Pixel<V>>, RenderError> {
         let mut pixels = vec![Pixel::empty(); strip.pixels as usize];
         // Some pixels at a time, or some rays of one.
         let (wide, deep) = if self.renderer.combination == Combination::Optimal {
@@ -113,7 +118,7 @@ impl<'a, V: Spectrum> Worker<'a, V> {
                 (left.first, left.rays) = (tile.first + tile.rays, left.rays - tile.rays);
                 let rays = self.rays(&tile, pixels)?;
                 if !rays.ends.is_empty() {
-                    self.sample(&rays, pixels)?;
+                    self.sample(&rays, pixels, buffers)?;
                 }
             }
         }
@@ -155,7 +160,12 @@ impl<'a, V: Spectrum> Worker<'a, V> {
     }
 
     /// Adds the radiances of rays to their pixels.
-    fn sample(&self, rays: &Rays<'_, V>, pixels: &mut [Pixel<V>]) -> Result<(), RenderError> {
+    fn sample(
+        &self,
+        rays: &Rays<'_, V>,
+        pixels: &mut [Pixel<V>],
+        buffers: &mut Buffers<Path<V>, V>,
+    ) -> Result<(), RenderError> {
         let Renderer { light_choice, samples: [of_lights, of_bsdf], .. } = *self.renderer;
         let lights = match light_choice {
             LightChoice::Each => {
@@ -191,20 +201,22 @@ impl<'a, V: Spectrum> Worker<'a, V> {
         let f = &Radiance;
         match self.renderer.combination {
             Combination::Constant => {
-                multi()?.weighting(Constant::equal())?.inspect(f, &numbers, add)?
+                multi()?.weighting(Constant::equal())?.inspect_with(f, &numbers, buffers, add)?
             }
-            Combination::Balance => multi()?.inspect(f, &numbers, add)?,
+            Combination::Balance => multi()?.inspect_with(f, &numbers, buffers, add)?,
             Combination::Power => {
-                multi()?.weighting(Power::squared())?.inspect(f, &numbers, add)?
+                multi()?.weighting(Power::squared())?.inspect_with(f, &numbers, buffers, add)?
             }
-            Combination::Maximum => multi()?.weighting(Maximum)?.inspect(f, &numbers, add)?,
+            Combination::Maximum => {
+                multi()?.weighting(Maximum)?.inspect_with(f, &numbers, buffers, add)?
+            }
             Combination::OneSample => {
                 let probability = |m: u64| m as f64 / of_a_ray as f64;
                 let selection =
                     techniques.iter().map(|(technique, m)| (*technique, probability(*m)));
                 let selection: Vec<(&dyn Technique<Point = Path<V>>, f64)> = selection.collect();
                 (numbers.per_ray, numbers.selects) = (vec![of_a_ray], true);
-                OneSample::new(&selection, n * of_a_ray)?.inspect(f, &numbers, add)?
+                OneSample::new(&selection, n * of_a_ray)?.inspect_with(f, &numbers, buffers, add)?
             }
             Combination::Optimal => {
                 numbers.replicates = replicates(n);
