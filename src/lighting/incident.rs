@@ -23,6 +23,11 @@ pub(super) struct Ray<V> {
 }
 
 impl<V: Spectrum> Incident<V> {
+    /// No light, and nothing in its way.
+    pub(super) fn nothing() -> Self {
+        Self { lights: Vec::new(), point_lights: Vec::new(), occluders: Vec::new() }
+    }
+
     /// The lights, each a technique of its own: those that fill a solid angle, in the order of the
     /// scene.
     #[must_use]

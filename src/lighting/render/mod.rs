@@ -15,8 +15,6 @@ use super::camera::Camera;
 use super::scene::Scene;
 use super::spectrum::Spectrum;
 use crate::error::{ArgumentError, EstimateError};
-use crate::estimator::Buffers;
-use path::Path;
 use tile::{Strip, Worker};
 
 /// How the samples of the lights and those of the BSDF are combined.
@@ -197,15 +195,15 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
         let worker = Worker::new(self, seed)?;
         let strips = Strip::all(self.columns.clone(), self.rows.clone(), self.rays);
         let done = AtomicU64::new(0);
-        let work = |buffers: &mut Buffers<Path<V>, V>, strip: &Strip| {
-            let pixels = worker.strip(strip, buffers)?;
+        let work = |memory: &mut _, strip: &Strip| {
+            let pixels = worker.strip(strip, memory)?;
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             if let Some(watch) = self.watch {
                 watch(done as f64 / strips.len() as f64);
             }
             Ok(pixels)
         };
-        let done = self.run(&strips, work)?;
+        let done = self.run(&strips, || worker.memory(), work)?;
         let width = self.columns.len();
         let mut picture: Vec<Pixel<V>> = vec![Pixel::empty(); width * self.rows.len()];
         for (strip, pixels) in strips.iter().zip(done) {
@@ -219,17 +217,18 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
     }
 
     #[cfg(feature = "parallel")]
-    fn run<T: Send>(
+    fn run<M, T: Send>(
         &self,
         strips: &[Strip],
-        work: impl Fn(&mut Buffers<Path<V>, V>, &Strip) -> Result<T, RenderError> + Sync + Send,
+        memory: impl Fn() -> M + Sync + Send,
+        work: impl Fn(&mut M, &Strip) -> Result<T, RenderError> + Sync + Send,
     ) -> Result<Vec<T>, RenderError> {
         use rayon::prelude::*;
         match self.threads {
-            None => strips.par_iter().map_init(Buffers::new, work).collect(),
+            None => strips.par_iter().map_init(memory, work).collect(),
             Some(1) => {
-                let mut buffers = Buffers::new();
-                strips.iter().map(|strip| work(&mut buffers, strip)).collect()
+                let mut memory = memory();
+                strips.iter().map(|strip| work(&mut memory, strip)).collect()
             }
             Some(threads) => {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -237,20 +236,21 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
                     threads,
                     message: error.to_string(),
                 })?;
-                pool.install(|| strips.par_iter().map_init(Buffers::new, work).collect())
+                pool.install(|| strips.par_iter().map_init(memory, work).collect())
             }
         }
     }
 
     #[cfg(not(feature = "parallel"))]
     #[expect(clippy::unused_self, reason = "with the feature, it tells the number of threads")]
-    fn run<T>(
+    fn run<M, T>(
         &self,
         strips: &[Strip],
-        work: impl Fn(&mut Buffers<Path<V>, V>, &Strip) -> Result<T, RenderError>,
+        memory: impl Fn() -> M,
+        work: impl Fn(&mut M, &Strip) -> Result<T, RenderError>,
     ) -> Result<Vec<T>, RenderError> {
-        let mut buffers = Buffers::new();
-        strips.iter().map(|strip| work(&mut buffers, strip)).collect()
+        let mut memory = memory();
+        strips.iter().map(|strip| work(&mut memory, strip)).collect()
     }
 
     /// The probabilities of the lights, where all are one technique.

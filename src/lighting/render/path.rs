@@ -38,15 +38,13 @@ pub(super) enum Densities {
 }
 
 /// What a ray of the camera meets.
-#[expect(clippy::large_enum_variant, reason = "nearly all are surfaces")]
 pub(super) enum End<'a, V> {
     /// Radiance as it is emitted; it does not depend on a direction of light.
     Emitted(V),
-    /// A surface, and what arrives there.
+    /// A surface.
     Surface {
         surface: Surface,
         bsdf: &'a dyn Bsdf<Value = V>,
-        incident: Incident<V>,
         /// What the point lights add.
         exact: V,
     },
@@ -69,6 +67,8 @@ pub(super) struct Rays<'a, V> {
     /// The pixels that they belong to, by their places in the tile.
     pub(super) places: Vec<usize>,
     pub(super) ends: Vec<End<'a, V>>,
+    /// What arrives at each end, if it is a surface; and, beyond, memory of earlier tiles.
+    incidents: Vec<Incident<V>>,
     /// The probabilities of the lights.
     probabilities: &'a [f64],
     densities: Densities,
@@ -92,13 +92,30 @@ enum Own {
 }
 
 impl<'a, V: Spectrum> Rays<'a, V> {
-    /// Room for so many rays.
-    pub(super) fn new(rays: usize, probabilities: &'a [f64], densities: Densities) -> Self {
-        let (numbers, places) = (Vec::with_capacity(rays), Vec::with_capacity(rays));
-        Self { numbers, places, ends: Vec::with_capacity(rays), probabilities, densities }
+    /// No ray yet.
+    pub(super) fn new(probabilities: &'a [f64], densities: Densities) -> Self {
+        let (numbers, places, ends) = (Vec::new(), Vec::new(), Vec::new());
+        Self { numbers, places, ends, incidents: Vec::new(), probabilities, densities }
+    }
+
+    /// Forgets all rays.
+    pub(super) fn clear(&mut self) {
+        self.numbers.clear();
+        self.places.clear();
+        self.ends.clear();
+    }
+
+    /// Room for what arrives at the next end.
+    pub(super) fn incident(&mut self) -> &mut Incident<V> {
+        let next = self.ends.len();
+        if next >= self.incidents.len() {
+            self.incidents.resize_with(next + 1, Incident::nothing);
+        }
+        &mut self.incidents[next]
     }
 
     pub(super) fn push(&mut self, number: u64, place: usize, end: End<'a, V>) {
+        self.incident();
         self.numbers.push(number);
         self.places.push(place);
         self.ends.push(end);
@@ -107,13 +124,14 @@ impl<'a, V: Spectrum> Rays<'a, V> {
     /// The path of this ray and the direction `w`, which its `own` technique has sampled.
     #[inline(always)]
     fn path(&self, ray: usize, w: Direction, own: Own) -> Path<V> {
-        let (surface, bsdf, incident) = match &self.ends[ray] {
+        let (surface, bsdf) = match &self.ends[ray] {
             End::Emitted(radiance) => {
                 let value = radiance.scaled(UNIFORM);
                 return Path { ray, w, value, lights: UNIFORM, bsdf: UNIFORM };
             }
-            End::Surface { surface, bsdf, incident, .. } => (surface, *bsdf, incident),
+            End::Surface { surface, bsdf, .. } => (surface, *bsdf),
         };
+        let incident = &self.incidents[ray];
         let mut lights = 0.0;
         let visible = incident.visible(&w, |light| {
             lights += self.probabilities[light.number] * light.directions().density();
@@ -212,17 +230,14 @@ impl<V: Spectrum> Towards<'_, V> {
 
     /// Directions from what was picked.
     #[inline(always)]
-    fn directions(&self, end: &End<'_, V>, pick: usize, xi: &[[f64; 2]], ws: &mut [Direction]) {
-        match end {
-            End::Surface { surface, bsdf, incident, .. } => {
-                if let Target::Bsdf = self.target {
-                    return bsdf.sample_batch(pick, surface, xi, ws);
-                }
-                if let Some(light) = incident.numbered(pick) {
-                    return light.directions().fill(xi, ws);
-                }
+    fn directions(&self, ray: usize, pick: usize, xi: &[[f64; 2]], ws: &mut [Direction]) {
+        if let End::Surface { surface, bsdf, .. } = &self.rays.ends[ray] {
+            if let Target::Bsdf = self.target {
+                return bsdf.sample_batch(pick, surface, xi, ws);
             }
-            End::Emitted(_) => (),
+            if let Some(light) = self.rays.incidents[ray].numbered(pick) {
+                return light.directions().fill(xi, ws);
+            }
         }
         ws.iter_mut().zip(xi).for_each(|(w, xi)| *w = anywhere(xi));
     }
@@ -248,7 +263,7 @@ impl<V: Spectrum> Towards<'_, V> {
                 *numbers = [*u, *v];
                 run += 1;
             }
-            self.directions(end, pick, &numbers[..run], &mut ws[..run]);
+            self.directions(ray, pick, &numbers[..run], &mut ws[..run]);
             xs.extend(ws[..run].iter().map(|w| self.rays.path(ray, *w, own)));
             rows = &rows[run..];
         }
@@ -281,8 +296,9 @@ impl<V: Spectrum> Technique for Towards<'_, V> {
         match (&self.target, &self.rays.ends[path.ray]) {
             (Target::Lights(_), _) => path.lights,
             (Target::Bsdf, _) => path.bsdf,
-            (Target::Light(light), End::Surface { incident, .. }) => {
-                incident.numbered(*light).map_or(UNIFORM, |light| light.pdf(&path.w))
+            (Target::Light(light), End::Surface { .. }) => {
+                let light = self.rays.incidents[path.ray].numbered(*light);
+                light.map_or(UNIFORM, |light| light.pdf(&path.w))
             }
             (Target::Light(_), End::Emitted(_)) => UNIFORM,
         }

@@ -68,6 +68,14 @@ pub(super) struct Worker<'a, V> {
     lights: Discrete,
 }
 
+/// What a worker needs for a tile, used again for the next.
+pub(super) struct Memory<'a, V> {
+    /// Positions on the film.
+    film: Vec<f64>,
+    rays: Rays<'a, V>,
+    buffers: Buffers<Path<V>, V>,
+}
+
 /// What the samples at one ray add up to.
 #[derive(Clone)]
 struct Sum<V> {
@@ -81,6 +89,11 @@ impl<'a, V: Spectrum> Worker<'a, V> {
         let probabilities = renderer.light_probabilities();
         let lights = Discrete::new("Renderer", "light_choice", &probabilities)?;
         Ok(Self { renderer, view, random: Random::new(seed), lights })
+    }
+
+    pub(super) fn memory(&self) -> Memory<'_, V> {
+        let rays = Rays::new(self.lights.probabilities(), self.densities());
+        Memory { film: Vec::new(), rays, buffers: Buffers::new() }
     }
 
     /// The densities that the estimator needs.
@@ -99,10 +112,10 @@ impl<'a, V: Spectrum> Worker<'a, V> {
     }
 
     /// The pixels of a strip.
-    pub(super) fn strip(
-        &self,
+    pub(super) fn strip<'w>(
+        &'w self,
         strip: &Strip,
-        buffers: &mut Buffers<Path<V>, V>,
+        Memory { film, rays, buffers }: &mut Memory<'w, V>,
     ) -> Result<Vec<Pixel<V>>, RenderError> {
         let mut pixels = vec![Pixel::empty(); strip.pixels as usize];
         // Some pixels at a time, or some rays of one.
@@ -116,26 +129,32 @@ impl<'a, V: Spectrum> Worker<'a, V> {
             while left.rays > 0 {
                 let tile = Strip { rays: deep.min(left.rays), ..left };
                 (left.first, left.rays) = (tile.first + tile.rays, left.rays - tile.rays);
-                let rays = self.rays(&tile, pixels)?;
+                self.look(&tile, film, rays, pixels)?;
                 if !rays.ends.is_empty() {
-                    self.sample(&rays, pixels, buffers)?;
+                    self.sample(rays, pixels, buffers)?;
                 }
             }
         }
         Ok(pixels)
     }
 
-    /// What the rays of a strip meet. Those that end at a light are added to their pixels, unless weights
-    /// are fitted to all of them.
-    fn rays(&self, strip: &Strip, pixels: &mut [Pixel<V>]) -> Result<Rays<'_, V>, RenderError> {
+    /// Makes `rays` those of a strip, with what they meet. Those that end at a light are added to their
+    /// pixels, unless weights are fitted to all of them.
+    fn look<'w>(
+        &'w self,
+        strip: &Strip,
+        film: &mut Vec<f64>,
+        rays: &mut Rays<'w, V>,
+        pixels: &mut [Pixel<V>],
+    ) -> Result<(), RenderError> {
         let Renderer { scene, camera, .. } = *self.renderer;
         let first = u64::from(strip.row) * u64::from(camera.width()) + u64::from(strip.column);
         let first = first * self.renderer.rays + strip.first;
         let per_pixel = usize::try_from(strip.rays).unwrap_or(usize::MAX);
-        let mut film = vec![0.0; 2 * per_pixel * pixels.len()];
+        film.resize(2 * per_pixel * pixels.len(), 0.0);
         // Where there are several pixels, these are all their rays.
-        self.random.fill(FILM, first, 2, &mut film).map_err(EstimateError::from)?;
-        let mut rays = Rays::new(film.len() / 2, self.lights.probabilities(), self.densities());
+        self.random.fill(FILM, first, 2, film).map_err(EstimateError::from)?;
+        rays.clear();
         let positions = film.as_chunks::<2>().0.iter().enumerate();
         for (([x, y], place), number) in positions.map(|(at, xy)| (xy, at / per_pixel)).zip(first..)
         {
@@ -148,15 +167,15 @@ impl<'a, V: Spectrum> Worker<'a, V> {
                 }
                 Seen::Emitted(radiance) => End::Emitted(radiance),
                 Seen::Surface { surface, bsdf, number } => {
-                    let incident = scene.seen_from_surface(surface.position(), Some(number))?;
-                    let exact =
-                        ReflectedRadiance::new(&incident, surface, bsdf).from_point_lights();
-                    End::Surface { surface, bsdf, incident, exact }
+                    let incident = rays.incident();
+                    scene.see_from(surface.position(), Some(number), incident)?;
+                    let exact = ReflectedRadiance::new(incident, surface, bsdf).from_point_lights();
+                    End::Surface { surface, bsdf, exact }
                 }
             };
             rays.push(number, place, end);
         }
-        Ok(rays)
+        Ok(())
     }
 
     /// Adds the radiances of rays to their pixels.
