@@ -133,8 +133,8 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
         Ok(Self { rays, ..self })
     }
 
-    /// How many samples of the lights and of the BSDF there are for each ray. A number of 0 leaves a
-    /// technique out; the BSDF alone does not see point lights less, for they are added exactly.
+    /// How many samples of the lights and of the BSDF there are for each ray; 0 leaves them out. Point
+    /// lights are added exactly, whatever the numbers.
     ///
     /// # Errors
     ///
