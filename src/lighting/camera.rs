@@ -43,7 +43,7 @@ impl Camera {
     /// # Errors
     ///
     /// All must be finite; `target` must not be `eye`; `up` must not be 0 nor along the view;
-    /// `field_of_view` must be in (0, π), and `width` and `height` at least 1.
+    /// `field_of_view` must be in (0, π), and `width` and `height` in \[1, 65536\].
     pub fn new(
         eye: DVec3,
         target: DVec3,
@@ -68,8 +68,9 @@ impl Camera {
             return Err(ArgumentError::new(OWNER, "field_of_view", field_of_view, rule));
         }
         for (name, size) in [("width", width), ("height", height)] {
-            if size == 0 {
-                return Err(ArgumentError::new(OWNER, name, size, "it must be at least 1"));
+            if !(1..=1 << 16).contains(&size) {
+                let rule = "it must be at least 1 and at most 65536";
+                return Err(ArgumentError::new(OWNER, name, size, rule));
             }
         }
         let (right, down) = (right.vector(), forward.vector().cross(right.vector()));
@@ -146,5 +147,6 @@ mod tests {
             assert_eq!(new(o, z, y, angle, 1).unwrap_err(), "field_of_view");
         }
         assert_eq!(new(o, z, y, 1.0, 0).unwrap_err(), "width");
+        assert_eq!(new(o, z, y, 1.0, 65_537).unwrap_err(), "width");
     }
 }

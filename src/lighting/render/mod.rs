@@ -185,12 +185,19 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
     ///
     /// # Errors
     ///
-    /// [`Combination::Constant`] needs one technique for all lights, not [`LightChoice::Each`]. A scene
-    /// with a BSDF that breaks the rules of techniques makes the estimators' errors.
+    /// [`Combination::Constant`] needs one technique for all lights, not [`LightChoice::Each`]. A whole
+    /// picture may have at most 2⁶³ samples of the lights and of the BSDF. A scene with a BSDF that breaks the rules of techniques makes the estimators' errors.
     pub fn render(&self, seed: u64) -> Result<Picture<V>, RenderError> {
         if self.combination == Combination::Constant && self.light_choice == LightChoice::Each {
             let rule = "constant weights need one technique for all lights";
             return Err(ArgumentError::new(OWNER, "light_choice", self.light_choice, rule).into());
+        }
+        let [of_lights, of_bsdf] = self.samples;
+        let pixels = u128::from(self.camera.width()) * u128::from(self.camera.height());
+        let rays = pixels * u128::from(self.rays);
+        if rays * u128::from(of_lights + of_bsdf) > 1 << 63 {
+            let rule = "a whole picture may have 2^63 samples";
+            return Err(ArgumentError::new(OWNER, "samples", self.samples, rule).into());
         }
         let worker = Worker::new(self, seed)?;
         let strips = Strip::all(self.columns.clone(), self.rows.clone(), self.rays);
