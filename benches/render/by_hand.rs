@@ -192,7 +192,7 @@ pub(crate) fn render(size: u32, rays: u64, each: u64, seed: u64) -> f64 {
         for _ in 0..rays {
             let (x, y) = (uniform(&mut generator), uniform(&mut generator));
             let ray = camera.ray(f64::from(number % size) + x, f64::from(number / size) + y);
-            let point = match camera.seen(ray) {
+            let point = match Eye::seen(ray) {
                 Ok(point) => point,
                 Err(radiance) => {
                     sum += radiance;
@@ -243,7 +243,7 @@ impl Eye {
     }
 
     /// The point of the floor that a ray meets, or the radiance of what is in front or beside.
-    fn seen(&self, ray: V) -> Result<Point, f64> {
+    fn seen(ray: V) -> Result<Point, f64> {
         let to_sphere = sub(SPHERE.0, EYE);
         let along = dot(to_sphere, ray);
         let chord2 = SPHERE.1 * SPHERE.1 - dot(to_sphere, to_sphere) + along * along;
