@@ -1,0 +1,143 @@
+//! Whether all strategies make the same picture.
+//!
+//! A deviation from the reference is divided by the larger of two standard errors: the strategy's own,
+//! and that which the reference foretells for as many rays. A strategy's own is too small where rare large
+//! samples are still to come; but its deviation is then downwards. So downwards, only what the strategy is
+//! [sure](crate::strategies::Strategy::sure) to see is asked for, of which the reference foretells the
+//! error; upwards, the large samples that make the deviation are seen in the strategy's own error.
+
+use mis::lighting::Pixel;
+
+use crate::errors::{Reference, Shot, error_of};
+use crate::scene::{Rgb, grey};
+
+/// The side of a block of pixels.
+const BLOCK: usize = 8;
+
+/// The largest deviations that pass, in standard errors: of the picture's mean, and of a block or pixel.
+/// Beyond are, of normal errors, one in 2 million and one in 500 million.
+const MEAN: f64 = 5.0;
+const PART: f64 = 6.0;
+
+/// Sums over pixels.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    value: f64,
+    reference: f64,
+    /// What of the reference the strategy is sure to see.
+    sure: f64,
+    /// Variances: the strategy's own, foretold, and of the reference.
+    own: f64,
+    foretold: f64,
+    of_reference: f64,
+}
+
+impl Sum {
+    fn new(shot: &Shot, reference: &Pixel<Rgb>, pixel: &Pixel<Rgb>) -> Self {
+        // No less than the error of the mean of the channels.
+        let [own, of_reference] = [pixel, reference].map(|pixel| grey(&error_of(pixel)).powi(2));
+        let value = grey(&reference.value());
+        Self {
+            value: grey(&pixel.value()),
+            reference: value,
+            sure: shot.strategy.sure(reference) * value,
+            // An estimate that has seen nothing but 0 may not know its error.
+            own: if own.is_finite() { own } else { 0.0 },
+            foretold: of_reference * reference.rays() as f64 / pixel.rays() as f64,
+            of_reference,
+        }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.value += other.value;
+        self.reference += other.reference;
+        self.sure += other.sure;
+        self.own += other.own;
+        self.foretold += other.foretold;
+        self.of_reference += other.of_reference;
+    }
+
+    fn error(&self) -> f64 {
+        (self.own.max(self.foretold) + self.of_reference).sqrt()
+    }
+
+    /// The deviation, in standard errors.
+    fn z(&self) -> f64 {
+        (self.value - self.reference) / self.error()
+    }
+
+    /// The same, where only what is sure must be there.
+    fn z_of_sure(&self) -> f64 {
+        let beyond = self.value - self.value.clamp(self.sure.min(self.reference), self.reference);
+        // Where all is black, there is no error at all.
+        if beyond == 0.0 { 0.0 } else { beyond / self.error() }
+    }
+}
+
+/// The deviations of a picture.
+pub(crate) struct Deviations {
+    /// Of the mean, in standard errors.
+    pub(crate) mean: f64,
+    /// The standard error of the mean, relative to it.
+    pub(crate) relative_error: f64,
+    /// The largest of a block and of a pixel.
+    pub(crate) block: f64,
+    pub(crate) pixel: f64,
+    /// The part of the pixels beyond 3; 0.27 % if errors were normal.
+    pub(crate) beyond_3: f64,
+    pixels: usize,
+}
+
+impl Deviations {
+    pub(crate) fn of(shot: &Shot, reference: &Reference) -> Self {
+        let (width, height) = (shot.picture.width(), shot.picture.height());
+        let across = width.div_ceil(BLOCK);
+        let mut blocks = vec![Sum::default(); across * height.div_ceil(BLOCK)];
+        let (mut all, mut largest, mut beyond, mut pixels) = (Sum::default(), 0.0_f64, 0, 0);
+        let pairs = reference.picture.pixels().iter().zip(shot.picture.pixels());
+        for (number, (of_reference, pixel)) in pairs.enumerate() {
+            if !reference.counted[number] {
+                continue;
+            }
+            let sum = Sum::new(shot, of_reference, pixel);
+            blocks[number / width / BLOCK * across + number % width / BLOCK].add(&sum);
+            all.add(&sum);
+            let z = sum.z_of_sure().abs();
+            largest = if z.is_nan() { z } else { largest.max(z) };
+            beyond += usize::from(z > 3.0);
+            pixels += 1;
+        }
+        Self {
+            mean: all.z(),
+            relative_error: all.error() / all.reference,
+            block: blocks.iter().map(|sum| sum.z_of_sure().abs()).fold(0.0, f64::max),
+            pixel: largest,
+            beyond_3: beyond as f64 / pixels as f64,
+            pixels,
+        }
+    }
+
+    fn passes(&self) -> bool {
+        self.mean.abs() < MEAN && self.block < PART && self.pixel < PART
+    }
+}
+
+/// An error unless all pictures are the reference, to their errors.
+pub(crate) fn assert(shots: &[Shot], deviations: &[Deviations]) -> Result<String, String> {
+    for (shot, deviation) in shots.iter().zip(deviations) {
+        if !deviation.passes() {
+            return Err(format!(
+                "{} is not the reference: it deviates by {:.1} standard errors in the mean (at most \
+                 {MEAN}), {:.1} in a block and {:.1} in a pixel (at most {PART})",
+                shot.strategy.title, deviation.mean, deviation.block, deviation.pixel
+            ));
+        }
+    }
+    let tests: usize = deviations.iter().map(|d| d.pixels + d.pixels / (BLOCK * BLOCK)).sum();
+    let false_alarms = 5.7e-7 * deviations.len() as f64 + 2e-9 * tests as f64;
+    Ok(format!(
+        "all pictures agree with the reference: the means to {MEAN} standard errors, {tests} pixels and \
+         blocks to {PART}.\nIf errors were normal, a run in {:.0} would raise a false alarm.",
+        1.0 / false_alarms
+    ))
+}

@@ -1,0 +1,130 @@
+//! The tables.
+
+use crate::cells::{Cell, Measured};
+use crate::checks::Deviations;
+use crate::errors::{Errors, Shot};
+use crate::strategies::Strategy;
+
+/// The whole picture: time, errors, efficiency, deviations.
+pub(crate) fn picture(shots: &[Shot], errors: &[Errors], deviations: &[Deviations]) {
+    println!(
+        "{:<11} {:>8} {:>9} {:>18} {:>11} {:>9} {:>8} {:>7} {:>7} {:>9}",
+        "strategy",
+        "seconds",
+        "mean err",
+        "RMS error",
+        "efficiency",
+        "z mean",
+        "+-",
+        "block",
+        "pixel",
+        "beyond 3"
+    );
+    let worth = |shot: &Shot, errors: &Errors| 1.0 / (errors.squares.value() * shot.seconds);
+    let first = shots.iter().zip(errors).next().map_or(f64::NAN, |(s, e)| worth(s, e));
+    for ((shot, errors), deviation) in shots.iter().zip(errors).zip(deviations) {
+        let mse = errors.squares.value();
+        let rmse = mse.max(0.0).sqrt();
+        println!(
+            "{:<11} {:>8.2} {:>7.2} % {:>8.2} +- {:>4.2} % {:>11.2} {:>9.2} {:>6.3} % {:>6.2} {:>7.2} {:>7.2} %",
+            shot.strategy.title,
+            shot.seconds,
+            100.0 * errors.absolute.value(),
+            100.0 * rmse,
+            100.0 * errors.squares.error() / (2.0 * rmse),
+            worth(shot, errors) / first,
+            deviation.mean,
+            100.0 * deviation.relative_error,
+            deviation.block,
+            deviation.pixel,
+            100.0 * deviation.beyond_3,
+        );
+    }
+}
+
+/// The cells: errors at equal samples, and efficiencies.
+pub(crate) fn cells(cells: &[Cell], measured: &[Vec<Measured>], strategies: &[&Strategy]) {
+    let best = |row: &[Measured], worth: &dyn Fn(&Measured) -> f64| {
+        let pairs = strategies.iter().zip(row);
+        let best = pairs.max_by(|(_, a), (_, b)| worth(a).total_cmp(&worth(b)));
+        best.map_or("", |(strategy, _)| strategy.title)
+    };
+    println!("\nRMS error in %, at equal samples");
+    heading(strategies, "least error");
+    for (cell, row) in cells.iter().zip(measured) {
+        line(cell, row.iter().map(|m| significant(100.0 * m.rmse())), best(row, &|m| -m.mse));
+    }
+    let base = strategies.iter().position(|s| s.name == "balance").unwrap_or(0);
+    let name = strategies.get(base).map_or("", |strategy| strategy.title);
+    println!("\nEfficiency, 1 / (mean square error * seconds), relative to {name}");
+    heading(strategies, "best at equal time");
+    for (cell, row) in cells.iter().zip(measured) {
+        let unit = row.get(base).map_or(f64::NAN, Measured::efficiency);
+        let efficiencies = row.iter().map(|m| significant(m.efficiency() / unit));
+        line(cell, efficiencies, best(row, &Measured::efficiency));
+    }
+}
+
+fn heading(strategies: &[&Strategy], last: &str) {
+    print!("{:>8} {:>7}", "exponent", "radius");
+    strategies.iter().for_each(|strategy| print!(" {:>10}", strategy.title));
+    println!("  {last}");
+}
+
+fn line(cell: &Cell, numbers: impl Iterator<Item = String>, last: &str) {
+    print!("{:>8} {:>7.3}", cell.exponent, cell.radius);
+    numbers.for_each(|number| print!(" {number:>10}"));
+    println!("  {last}");
+}
+
+/// A number with three digits.
+fn significant(x: f64) -> String {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // At most 5.
+    let digits = (2.0 - x.abs().log10().floor()).clamp(0.0, 5.0) as usize;
+    format!("{x:.digits$}")
+}
+
+/// What the cells must show; an error if they do not.
+pub(crate) fn assert_cells(
+    cells: &[Cell],
+    measured: &[Vec<Measured>],
+    strategies: &[&Strategy],
+) -> Result<Vec<String>, String> {
+    let column = |name: &str| {
+        let at = strategies.iter().position(|strategy| strategy.name == name)?;
+        Some(measured.iter().filter_map(|row| row.get(at)).copied().collect::<Vec<_>>())
+    };
+    let mut lines = Vec::new();
+    for alone in ["light", "bsdf"] {
+        for mis in ["balance", "power", "optimal"] {
+            let (Some(single), Some(combined)) = (column(alone), column(mis)) else { continue };
+            let rows = cells.iter().zip(single.iter().zip(&combined));
+            let worst = rows.max_by(|(_, (a, _)), (_, (b, _))| a.mse.total_cmp(&b.mse));
+            let Some((cell, (single, combined))) = worst else { continue };
+            let factor = single.rmse() / combined.rmse();
+            let line = format!(
+                "{mis} is {factor:.0} times better than {alone} alone where that is worst: exponent \
+                 {}, radius {}",
+                cell.exponent, cell.radius
+            );
+            if !(factor >= 10.0) {
+                return Err(format!("{line}; it must be 10 times"));
+            }
+            lines.push(line);
+        }
+    }
+    if let (Some(balance), Some(optimal)) = (column("balance"), column("optimal")) {
+        let z = balance.iter().zip(&optimal).map(|(b, o)| (o.mse - b.mse) / o.error.hypot(b.error));
+        let z = z.fold(f64::NEG_INFINITY, f64::max);
+        let ratio = balance.iter().zip(&optimal).map(|(b, o)| o.rmse() / b.rmse());
+        let ratio = ratio.fold(0.0, f64::max);
+        let cost: f64 = optimal.iter().map(|o| o.seconds).sum::<f64>()
+            / balance.iter().map(|b| b.seconds).sum::<f64>();
+        let line = format!(
+            "optimal has at most {ratio:.2} times the error of balance at equal samples ({z:.1} \
+             standard errors), at {cost:.1} times its cost"
+        );
+        lines.push(line);
+    }
+    Ok(lines)
+}
