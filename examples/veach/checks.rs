@@ -4,7 +4,8 @@
 //! and that which the reference foretells for as many rays. A strategy's own is too small where rare large
 //! samples are still to come; but its deviation is then downwards. So downwards, only what the strategy is
 //! [sure](crate::strategies::Strategy::sure) to see is asked for, of which the reference foretells the
-//! error; upwards, the large samples that make the deviation are seen in the strategy's own error.
+//! error; upwards, the large samples that make the deviation are seen in the strategy's own error. Of a
+//! single pixel, a few rays do not tell the error well: it is no less than those of the pixels around.
 
 use mis::lighting::Pixel;
 
@@ -41,8 +42,7 @@ impl Sum {
             value: grey(&pixel.value()),
             reference: value,
             sure: shot.strategy.sure(reference) * value,
-            // An estimate that has seen nothing but 0 may not know its error.
-            own: if own.is_finite() { own } else { 0.0 },
+            own: known(own),
             foretold: of_reference * reference.rays() as f64 / pixel.rays() as f64,
             of_reference,
         }
@@ -74,6 +74,27 @@ impl Sum {
     }
 }
 
+/// An estimate that has seen nothing but 0 may not know its error; the reference foretells one.
+fn known(variance: f64) -> f64 {
+    if variance.is_finite() { variance } else { 0.0 }
+}
+
+/// The mean variance of the pixels up to two away.
+fn around(shot: &Shot, reference: &Reference) -> Vec<f64> {
+    let (width, height) = (shot.picture.width(), shot.picture.height());
+    let variance = |pixel: &Pixel<Rgb>| known(grey(&error_of(pixel)).powi(2));
+    let variances: Vec<f64> = shot.picture.pixels().iter().map(variance).collect();
+    let near = |at: usize, size: usize| at.saturating_sub(2)..(at + 3).min(size);
+    let mean = |number: usize| {
+        let (x, y) = (number % width, number / width);
+        let places = near(y, height).flat_map(|y| near(x, width).map(move |x| y * width + x));
+        let counted = places.filter(|place| reference.counted[*place]);
+        let (sum, n) = counted.fold((0.0, 0.0), |(sum, n), at| (sum + variances[at], n + 1.0));
+        if n > 0.0 { sum / n } else { 0.0 }
+    };
+    (0..variances.len()).map(mean).collect()
+}
+
 /// The deviations of a picture.
 pub(crate) struct Deviations {
     /// Of the mean, in standard errors.
@@ -92,6 +113,7 @@ impl Deviations {
     pub(crate) fn of(shot: &Shot, reference: &Reference) -> Self {
         let (width, height) = (shot.picture.width(), shot.picture.height());
         let across = width.div_ceil(BLOCK);
+        let around = around(shot, reference);
         let mut blocks = vec![Sum::default(); across * height.div_ceil(BLOCK)];
         let (mut all, mut largest, mut beyond, mut pixels) = (Sum::default(), 0.0_f64, 0, 0);
         let pairs = reference.picture.pixels().iter().zip(shot.picture.pixels());
@@ -102,7 +124,8 @@ impl Deviations {
             let sum = Sum::new(shot, of_reference, pixel);
             blocks[number / width / BLOCK * across + number % width / BLOCK].add(&sum);
             all.add(&sum);
-            let z = sum.z_of_sure().abs();
+            let single = Sum { own: sum.own.max(around[number]), ..sum };
+            let z = single.z_of_sure().abs();
             largest = if z.is_nan() { z } else { largest.max(z) };
             beyond += usize::from(z > 3.0);
             pixels += 1;

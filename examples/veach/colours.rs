@@ -4,7 +4,7 @@ use crate::canvas::Colour;
 use crate::scene::Rgb;
 
 /// What a radiance is multiplied by before it is shown.
-const EXPOSURE: f64 = 1.5;
+const EXPOSURE: f64 = 1.0;
 
 /// A radiance, tone-mapped by 1 - e^(-exposure x), in each channel.
 pub(crate) fn radiance(rgb: &Rgb) -> Colour {

@@ -95,6 +95,11 @@ impl Mean {
         self.mean
     }
 
+    /// Of a single value.
+    pub(crate) fn variance(&self) -> f64 {
+        self.squares / (self.n - 1.0)
+    }
+
     pub(crate) fn error(&self) -> f64 {
         (self.squares / (self.n * (self.n - 1.0))).sqrt()
     }

@@ -7,15 +7,15 @@ use crate::strategies::{STRATEGIES, Strategy};
 
 pub(crate) const USAGE: &str = "\
 options:
-  --size WxH           pixels of a picture, 16 to 4096 each (default 384x256)
+  --size WxH           pixels of a picture, 16 to 4096 each (default 360x240)
   --rays N             camera rays for each pixel, 4 to 65536 (default 16)
-  --reference-rays N   those of the reference, 16 to 1048576 (default 192)
+  --reference-rays N   those of the reference, 16 to 1048576 (default 128)
   --strategy NAME      light, bsdf, constant, balance, power, maximum, one-sample or optimal;
                        may be given several times (default: all)
   --seed N             of the random numbers; the reference has the next one (default 1)
   --threads N          1 to 1024 (default: as many as there are processors)
   --out DIR            where to write the pictures (default: target/veach)
-  --quick              as --size 192x128 --rays 8 --reference-rays 96: a few seconds
+  --quick              as --size 192x128 --rays 8 --reference-rays 64: a few seconds
   --help               this text";
 
 #[derive(Debug, Clone)]
@@ -35,9 +35,9 @@ impl Options {
         mut arguments: impl Iterator<Item = String>,
     ) -> Result<Option<Self>, String> {
         let mut options = Self {
-            size: [384, 256],
+            size: [360, 240],
             rays: 16,
-            reference_rays: 192,
+            reference_rays: 128,
             strategies: Vec::new(),
             seed: 1,
             threads: thread::available_parallelism().map_or(1, usize::from),
@@ -48,7 +48,7 @@ impl Options {
             match name.as_str() {
                 "--help" | "-h" => return Ok(None),
                 "--quick" => {
-                    (options.size, options.rays, options.reference_rays) = ([192, 128], 8, 96);
+                    (options.size, options.rays, options.reference_rays) = ([192, 128], 8, 64);
                 }
                 "--size" => options.size = size(&name, &value()?)?,
                 "--rays" => options.rays = whole(&name, &value()?, 4, 1 << 16)?,
@@ -84,7 +84,7 @@ fn default_folder() -> PathBuf {
 fn size(name: &str, text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| text.parse().ok().filter(|side| (16..=4096).contains(side));
     let sides = text.split_once('x').and_then(|(w, h)| Some([side(w)?, side(h)?]));
-    let rule = "a width and a height from 16 to 4096, such as 384x256";
+    let rule = "a width and a height from 16 to 4096, such as 360x240";
     sides.ok_or_else(|| format!("{name} is {text}, but must be {rule}"))
 }
 

@@ -14,7 +14,7 @@ const INK: Colour = [25; 3];
 const GAP: usize = 8;
 
 /// Pictures in a row.
-const ACROSS: usize = 3;
+const ACROSS: usize = 5;
 
 /// The picture as it is shown.
 pub(crate) fn shown(picture: &Picture<Rgb>) -> Canvas {

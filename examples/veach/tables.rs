@@ -44,25 +44,35 @@ pub(crate) fn picture(shots: &[Shot], errors: &[Errors], deviations: &[Deviation
 
 /// The cells: errors at equal samples, and efficiencies.
 pub(crate) fn cells(cells: &[Cell], measured: &[Vec<Measured>], strategies: &[&Strategy]) {
-    let best = |row: &[Measured], worth: &dyn Fn(&Measured) -> f64| {
-        let pairs = strategies.iter().zip(row);
-        let best = pairs.max_by(|(_, a), (_, b)| worth(a).total_cmp(&worth(b)));
-        best.map_or("", |(strategy, _)| strategy.title)
-    };
     println!("\nRMS error in %, at equal samples");
     heading(strategies, "least error");
     for (cell, row) in cells.iter().zip(measured) {
-        line(cell, row.iter().map(|m| significant(100.0 * m.rmse())), best(row, &|m| -m.mse));
+        let errors = row.iter().map(|m| significant(100.0 * m.rmse()));
+        line(cell, errors, &best(strategies, row, |m| 1.0 / m.variance));
     }
     let base = strategies.iter().position(|s| s.name == "balance").unwrap_or(0);
     let name = strategies.get(base).map_or("", |strategy| strategy.title);
-    println!("\nEfficiency, 1 / (mean square error * seconds), relative to {name}");
+    println!("\nefficiency, 1 / (variance * seconds), relative to {name}");
     heading(strategies, "best at equal time");
     for (cell, row) in cells.iter().zip(measured) {
         let unit = row.get(base).map_or(f64::NAN, Measured::efficiency);
         let efficiencies = row.iter().map(|m| significant(m.efficiency() / unit));
-        line(cell, efficiencies, best(row, &Measured::efficiency));
+        line(cell, efficiencies, &best(strategies, row, Measured::efficiency));
     }
+}
+
+/// The strategy of the most worth, then those that errors of variances do not tell from it.
+fn best(strategies: &[&Strategy], row: &[Measured], worth: impl Fn(&Measured) -> f64) -> String {
+    let mut ranks: Vec<(&str, f64, f64)> = strategies
+        .iter()
+        .zip(row)
+        .map(|(strategy, m)| (strategy.title, worth(m), worth(m) * m.error / m.variance))
+        .collect();
+    ranks.sort_by(|(_, a, _), (_, b, _)| b.total_cmp(a));
+    let Some(&(name, most, error)) = ranks.first() else { return String::new() };
+    let close = |(_, worth, other): &&(&str, f64, f64)| most - worth < 2.0 * error.hypot(*other);
+    let others: Vec<&str> = ranks.iter().skip(1).filter(close).map(|(name, ..)| *name).collect();
+    if others.is_empty() { name.into() } else { format!("{name} ({})", others.join(", ")) }
 }
 
 fn heading(strategies: &[&Strategy], last: &str) {
@@ -99,7 +109,7 @@ pub(crate) fn assert_cells(
         for mis in ["balance", "power", "optimal"] {
             let (Some(single), Some(combined)) = (column(alone), column(mis)) else { continue };
             let rows = cells.iter().zip(single.iter().zip(&combined));
-            let worst = rows.max_by(|(_, (a, _)), (_, (b, _))| a.mse.total_cmp(&b.mse));
+            let worst = rows.max_by(|(_, (a, _)), (_, (b, _))| a.variance.total_cmp(&b.variance));
             let Some((cell, (single, combined))) = worst else { continue };
             let factor = single.rmse() / combined.rmse();
             let line = format!(
@@ -114,7 +124,10 @@ pub(crate) fn assert_cells(
         }
     }
     if let (Some(balance), Some(optimal)) = (column("balance"), column("optimal")) {
-        let z = balance.iter().zip(&optimal).map(|(b, o)| (o.mse - b.mse) / o.error.hypot(b.error));
+        let z = balance
+            .iter()
+            .zip(&optimal)
+            .map(|(b, o)| (o.variance - b.variance) / o.error.hypot(b.error));
         let z = z.fold(f64::NEG_INFINITY, f64::max);
         let ratio = balance.iter().zip(&optimal).map(|(b, o)| o.rmse() / b.rmse());
         let ratio = ratio.fold(0.0, f64::max);
