@@ -12,8 +12,8 @@ pub(crate) struct Canvas {
     pixels: Vec<Colour>,
 }
 
-/// The side of a letter, in pixels.
-pub(crate) const LETTER: usize = 16;
+/// The side of a letter, in pixels, at the scale 1.
+pub(crate) const LETTER: usize = 8;
 
 impl Canvas {
     pub(crate) fn filled([width, height]: [usize; 2], colour: Colour) -> Self {
@@ -51,14 +51,13 @@ impl Canvas {
         }
     }
 
-    /// Writes a line of ASCII from this upper left corner on.
-    pub(crate) fn write(&mut self, x: usize, y: usize, text: &str, colour: Colour) {
-        let scale = LETTER / 8;
+    /// Writes a line of ASCII from this upper left corner on; letters have the side `scale` · 8.
+    pub(crate) fn write(&mut self, [x, y]: [usize; 2], scale: usize, text: &str, colour: Colour) {
         for (place, letter) in text.bytes().enumerate() {
             let rows = BASIC_LEGACY.get(usize::from(letter)).copied().unwrap_or_default();
             for (row, bits) in rows.into_iter().enumerate() {
                 for column in (0..8).filter(|column| bits >> column & 1 == 1) {
-                    let (left, top) = (x + place * LETTER + column * scale, y + row * scale);
+                    let (left, top) = (x + (place * LETTER + column) * scale, y + row * scale);
                     for at in 0..scale * scale {
                         self.set(left + at % scale, top + at / scale, colour);
                     }

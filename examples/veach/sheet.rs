@@ -1,6 +1,6 @@
 //! The contact sheet: all strategies side by side, each with its errors and weights.
 
-use mis::lighting::Picture;
+use mis::lighting::{Picture, Pixel};
 
 use crate::canvas::{Canvas, Colour, LETTER};
 use crate::colours;
@@ -31,8 +31,12 @@ pub(crate) fn errors(shot: &Shot, reference: &Reference) -> Canvas {
 
 /// The part of each pixel that samples of the lights contribute.
 pub(crate) fn weights(picture: &Picture<Rgb>) -> Canvas {
-    let shares = picture.pixels().iter().map(|pixel| colours::share(pixel.light_share()));
-    Canvas::new(picture.width(), shares)
+    let shares = || picture.pixels().iter().map(Pixel::light_share);
+    let mut canvas = Canvas::new(picture.width(), shares().map(colours::share));
+    if shares().all(|share| share.is_none()) {
+        canvas.write([GAP; 2], scale(picture.width()), "not a share", PAPER);
+    }
+    canvas
 }
 
 /// Three pictures above each other, and a title.
@@ -44,7 +48,11 @@ struct Stack {
 pub(crate) fn sheet(shots: &[Shot], reference: &Reference, errors_of: &[f64]) -> Canvas {
     let first = Stack {
         title: "reference".into(),
-        pictures: [shown(&reference.picture), error_legend(reference), weights(&reference.picture)],
+        pictures: [
+            shown(&reference.picture),
+            legend(reference.picture.width(), reference.picture.height()),
+            weights(&reference.picture),
+        ],
     };
     let mut stacks = vec![first];
     for (shot, error) in shots.iter().zip(errors_of) {
@@ -54,42 +62,46 @@ pub(crate) fn sheet(shots: &[Shot], reference: &Reference, errors_of: &[f64]) ->
         });
     }
     let (width, height) = (reference.picture.width(), reference.picture.height());
-    let (wide, high) = (width + GAP, 3 * (height + GAP) + LETTER + GAP);
+    let head = LETTER * scale(width) + GAP;
+    let (wide, high) = (width + GAP, 3 * (height + GAP) + head);
     let across = ACROSS.min(stacks.len());
     let size = [across * wide + GAP, stacks.len().div_ceil(across) * (high + GAP) + GAP];
     let mut sheet = Canvas::filled(size, PAPER);
     for (number, stack) in stacks.iter().enumerate() {
         let (x, y) = (GAP + number % across * wide, GAP + number / across * (high + GAP));
-        sheet.write(x, y, &stack.title, INK);
+        sheet.write([x, y], scale(width), &stack.title, INK);
         for (row, picture) in stack.pictures.iter().enumerate() {
-            sheet.put(x, y + LETTER + GAP + row * (height + GAP), picture);
+            sheet.put(x, y + head + row * (height + GAP), picture);
         }
     }
     sheet
 }
 
-/// The scales of errors and of weights.
-fn error_legend(reference: &Reference) -> Canvas {
-    let (width, height) = (reference.picture.width(), reference.picture.height());
+/// Of letters, for titles to fit above pictures of this width.
+fn scale(width: usize) -> usize {
+    (width / (20 * LETTER)).max(1)
+}
+
+/// The scales of colours, as large as a picture.
+fn legend(width: usize, height: usize) -> Canvas {
     let mut legend = Canvas::filled([width, height], PAPER);
     let [low, high] = colours::ERRORS;
-    let bar = |legend: &mut Canvas, y: usize, colour: &dyn Fn(f64) -> Colour| {
-        for x in 0..width {
-            for row in 0..LETTER {
-                legend.set(x, y + row, colour(x as f64 / width as f64));
-            }
+    let (scale, letter) = (scale(width), LETTER * scale(width));
+    let mut top = height.saturating_sub(10 * letter) / 2;
+    let mut bar = |title: &str, ends: [&str; 2], colour: &dyn Fn(f64) -> Colour| {
+        legend.write([0, top], scale, title, INK);
+        for (x, y) in (0..width).flat_map(|x| (0..letter).map(move |y| (x, y))) {
+            legend.set(x, top + 3 * letter / 2 + y, colour(x as f64 / width as f64));
         }
+        let [left, right] = ends;
+        let y = top + 3 * letter;
+        legend.write([0, y], scale, left, INK);
+        legend.write([width.saturating_sub(letter * right.len()), y], scale, right, INK);
+        top += 6 * letter;
     };
-    let step = LETTER + GAP / 2;
-    let top = height.saturating_sub(6 * step) / 2;
-    legend.write(0, top, "relative error", INK);
-    bar(&mut legend, top + step, &|t| colours::error(low * (high / low).powf(t)));
-    legend.write(0, top + 2 * step, &format!("{}%", 100.0 * low), INK);
-    let end = format!("{}%", 100.0 * high);
-    legend.write(width.saturating_sub(LETTER * end.len()), top + 2 * step, &end, INK);
-    legend.write(0, top + 7 * step / 2, "comes from", INK);
-    bar(&mut legend, top + 9 * step / 2, &|t| colours::share(Some(t)));
-    legend.write(0, top + 11 * step / 2, "BSDF", INK);
-    legend.write(width.saturating_sub(6 * LETTER), top + 11 * step / 2, "lights", INK);
+    let ends = [low, high].map(|end| format!("{}%", 100.0 * end));
+    let at = |place: f64| colours::error(low * (high / low).powf(place));
+    bar("relative error", [&ends[0], &ends[1]], &at);
+    bar("share in the value", ["BSDF", "lights"], &|place| colours::share(Some(place)));
     legend
 }
