@@ -165,7 +165,9 @@ fn measure_one(
     }
     let measured = values.iter().zip(fastest).map(|(values, seconds)| {
         let mut variances = Mean::default();
-        values.iter().for_each(|value| variances.push(scale * value.variance()));
+        for value in values {
+            variances.push(scale * value.variance());
+        }
         Measured { variance: variances.value(), error: variances.error(), seconds }
     });
     Ok(measured.collect())

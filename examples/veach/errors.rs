@@ -79,20 +79,21 @@ pub(crate) struct Errors {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Mean {
     n: f64,
-    mean: f64,
+    value: f64,
+    /// Of the deviations from it.
     squares: f64,
 }
 
 impl Mean {
     pub(crate) fn push(&mut self, x: f64) {
         self.n += 1.0;
-        let delta = x - self.mean;
-        self.mean += delta / self.n;
-        self.squares += delta * (x - self.mean);
+        let delta = x - self.value;
+        self.value += delta / self.n;
+        self.squares += delta * (x - self.value);
     }
 
     pub(crate) fn value(&self) -> f64 {
-        self.mean
+        self.value
     }
 
     /// Of a single value.

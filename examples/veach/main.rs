@@ -5,7 +5,8 @@
 //! four lights in four plates. All of them must agree with the reference to their errors.
 //!
 //! It writes, for each strategy, the picture as PNG (tone-mapped, sRGB) and as PFM (linear radiances, which
-//! other programs read), its errors and the shares of the two techniques; and a contact sheet of all.
+//! other programs read), its errors and the shares of the two techniques; a contact sheet of all; and a
+//! figure of either technique alone beside the power heuristic.
 //!
 //! `cargo run --release --example veach`, or with options:
 //! `... --example veach -- --size 768x512 --rays 64 --strategy power --out /tmp/veach`
@@ -174,5 +175,6 @@ fn write(
         files::png(&path(name, "-weights.png"), &sheet::weights(&shot.picture))?;
     }
     let errors: Vec<f64> = errors.iter().map(|errors| errors.absolute.value()).collect();
+    files::png(&path("figure", ".png"), &sheet::figure(shots))?;
     files::png(&path("sheet", ".png"), &sheet::sheet(shots, reference, &errors))
 }

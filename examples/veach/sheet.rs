@@ -39,32 +39,44 @@ pub(crate) fn weights(picture: &Picture<Rgb>) -> Canvas {
     canvas
 }
 
-/// Three pictures above each other, and a title.
+/// Pictures of one size above each other, and a title.
 struct Stack {
     title: String,
-    pictures: [Canvas; 3],
+    pictures: Vec<Canvas>,
 }
 
+/// The contact sheet. Titles have the mean relative error.
 pub(crate) fn sheet(shots: &[Shot], reference: &Reference, errors_of: &[f64]) -> Canvas {
-    let first = Stack {
-        title: "reference".into(),
-        pictures: [
-            shown(&reference.picture),
-            legend(reference.picture.width(), reference.picture.height()),
-            weights(&reference.picture),
-        ],
-    };
-    let mut stacks = vec![first];
+    let picture = &reference.picture;
+    let legend = legend(picture.width(), picture.height());
+    let pictures = vec![shown(picture), legend, weights(picture)];
+    let mut stacks = vec![Stack { title: "reference".into(), pictures }];
     for (shot, error) in shots.iter().zip(errors_of) {
-        stacks.push(Stack {
-            title: format!("{} {:.1}%", shot.strategy.title, 100.0 * error),
-            pictures: [shown(&shot.picture), errors(shot, reference), weights(&shot.picture)],
-        });
+        let title = format!("{} {:.1}%", shot.strategy.title, 100.0 * error);
+        let pictures = vec![shown(&shot.picture), errors(shot, reference), weights(&shot.picture)];
+        stacks.push(Stack { title, pictures });
     }
-    let (width, height) = (reference.picture.width(), reference.picture.height());
+    side_by_side(&stacks)
+}
+
+/// Either technique alone beside both, as far as they are among `shots`.
+pub(crate) fn figure(shots: &[Shot]) -> Canvas {
+    let few = shots.iter().filter(|shot| ["light", "bsdf", "power"].contains(&shot.strategy.name));
+    let stack = |shot: &Shot| Stack {
+        title: shot.strategy.title.into(),
+        pictures: vec![shown(&shot.picture)],
+    };
+    side_by_side(&few.map(stack).collect::<Vec<_>>())
+}
+
+fn side_by_side(stacks: &[Stack]) -> Canvas {
+    let first = stacks.first();
+    let [width, height] =
+        first.and_then(|stack| stack.pictures.first()).map_or([0; 2], Canvas::size);
+    let rows = first.map_or(0, |stack| stack.pictures.len());
     let head = LETTER * scale(width) + GAP;
-    let (wide, high) = (width + GAP, 3 * (height + GAP) + head);
-    let across = ACROSS.min(stacks.len());
+    let (wide, high) = (width + GAP, rows * (height + GAP) + head);
+    let across = ACROSS.min(stacks.len()).max(1);
     let size = [across * wide + GAP, stacks.len().div_ceil(across) * (high + GAP) + GAP];
     let mut sheet = Canvas::filled(size, PAPER);
     for (number, stack) in stacks.iter().enumerate() {
@@ -102,6 +114,6 @@ fn legend(width: usize, height: usize) -> Canvas {
     let ends = [low, high].map(|end| format!("{}%", 100.0 * end));
     let at = |place: f64| colours::error(low * (high / low).powf(place));
     bar("relative error", [&ends[0], &ends[1]], &at);
-    bar("share in the value", ["BSDF", "lights"], &|place| colours::share(Some(place)));
+    bar("share", ["BSDF", "lights"], &|place| colours::share(Some(place)));
     legend
 }

@@ -80,13 +80,17 @@ fn best(strategies: &[&Strategy], row: &[Measured], worth: impl Fn(&Measured) ->
 
 fn heading(strategies: &[&Strategy], last: &str) {
     print!("{:>8} {:>7}", "exponent", "radius");
-    strategies.iter().for_each(|strategy| print!(" {:>10}", strategy.title));
+    for strategy in strategies {
+        print!(" {:>10}", strategy.title);
+    }
     println!("  {last}");
 }
 
 fn line(cell: &Cell, numbers: impl Iterator<Item = String>, last: &str) {
     print!("{:>8} {:>7.3}", cell.exponent, cell.radius);
-    numbers.for_each(|number| print!(" {number:>10}"));
+    for number in numbers {
+        print!(" {number:>10}");
+    }
     println!("  {last}");
 }
 
