@@ -11,10 +11,13 @@
 //! dimensions, gloss0 to gloss4 are a lobe over a disk that is ever smaller: there, it is the
 //! techniques.
 //!
-//! Where `mis` gains little: on the oscillatory integrand in 8 dimensions, 1.6 times scipy; it is three
-//! times as fast there, and was as accurate over 300 other seeds. And on s1, the slides' example, where
-//! the uniform technique beats sine and cosine: a smooth integrand without peaks needs no importance
-//! sampling. The power heuristic is exact on gloss0, whose disk covers the lobe: one technique is the
-//! integrand.
+//! On Genz's families, scipy's Sobol' points are as accurate as those of `mis` from as many
+//! evaluations, over enough seeds: the gain over scipy is in speed. On the oscillatory integrand in 8
+//! dimensions, where the 100 seeds of the table favour scipy, mean squared errors over 8000 and 16 000
+//! other replicates of 2¹⁵ points are (1.36 ± 0.02) 10⁻¹⁰ and (1.38 ± 0.02) 10⁻¹⁰.
+//!
+//! Where `mis` gains little: on s1, the slides' example, the uniform technique beats sine and cosine: a
+//! smooth integrand without peaks needs no importance sampling. The power heuristic is exact on gloss0,
+//! whose disk covers the lobe: one technique is the integrand.
 #![doc = include_str!("peers.md")]
 #![doc = include_str!("scale.md")]

@@ -49,7 +49,7 @@ impl Moments {
         } else {
             libm::frexp(largest).1.clamp(-1020, 1020)
         };
-        let unit = libm::ldexp(1.0, -exponent);
+        let unit = inverse_unit(exponent);
         if exponent != 0 {
             cubes = lanes::sum_of_cubes(ys, origin, unit);
             (sum, squares) = lanes::sum_and_squares(ys, origin, unit);
@@ -83,7 +83,7 @@ impl Moments {
             (_, true) => self.exponent,
             _ => self.exponent.max(other.exponent),
         };
-        let unit = libm::ldexp(1.0, -exponent);
+        let unit = inverse_unit(exponent);
         let delta = other.mean * unit - self.mean * unit;
         let rescaled = |m: &Self| {
             let shift = m.exponent - exponent;
@@ -126,6 +126,12 @@ impl Moments {
         let own = libm::ldexp(self.m2.sqrt() / divisor, self.exponent);
         own.hypot((self.count as f64).sqrt() / divisor * (self.mean - m))
     }
+}
+
+/// 2^-exponent; mostly 1, which takes no call.
+#[inline]
+fn inverse_unit(exponent: i32) -> f64 {
+    if exponent == 0 { 1.0 } else { libm::ldexp(1.0, -exponent) }
 }
 
 /// The contributions of one technique, one component.

@@ -5,8 +5,8 @@ use std::fmt::Debug;
 
 use mis::integrand::batch;
 use mis::lighting::{
-    Bsdf, DVec3, Direction, Lambert, Light, ModifiedPhong, ReflectedRadiance, Scene, Sphere,
-    Surface,
+    Bsdf, DVec3, Direction, Lambert, Light, ModifiedPhong, ReflectedRadiance, Renderer, Scene,
+    Sphere, Surface,
 };
 use mis::points::{PointSource, Random, Sobol};
 use mis::technique::{Exponential, FnTechnique, Linear, Product, UniformBox, canonical};
@@ -15,6 +15,7 @@ use mis::{Estimate, EstimateError, Estimator, Integrand, MultiSample, OneSample,
 use mis::{Technique, integrand};
 
 use super::by_hand;
+use super::scene::{camera, scene};
 
 fn finish(estimate: Result<Estimate, EstimateError>) -> f64 {
     let estimate = estimate.unwrap();
@@ -208,6 +209,14 @@ pub(crate) fn lighting(n: u64) -> f64 {
     let lobes = lobes.iter().map(|lobe| (lobe as &dyn Technique<Point = _>, n / 3));
     let techniques: Vec<_> = lights.chain(lobes).collect();
     finish(MultiSample::new(&techniques).unwrap().estimate(&f, 1))
+}
+
+/// A picture of 32 by 32 pixels, with 32 samples for each ray.
+pub(crate) fn rendered(n: u64) -> f64 {
+    let (scene, camera) = (scene(), camera(32));
+    let renderer = Renderer::new(&scene, &camera).rays(n / (32 * 32 * 32)).unwrap();
+    let renderer = renderer.samples(16, 16).unwrap().threads(1).unwrap();
+    renderer.render(1).unwrap().mean()
 }
 
 /// `n` numbers, in rows of five.

@@ -12,6 +12,8 @@
 
 mod by_hand;
 mod library;
+#[path = "../render/scene.rs"]
+mod scene;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -46,6 +48,7 @@ const VARIANTS: &[Variant] = &[
     ("a ramp's density", library::ramp_density, MANY),
     ("product in 8-D", library::product, SAMPLES),
     ("lighting point", library::lighting, [20_001, 60_000]),
+    ("rendered sample", library::rendered, [32_768, 98_304]),
     ("random number", library::random_points, [256_000, 512_000]),
     ("Sobol' coordinate", library::sobol_points, [256_000, 512_000]),
 ];

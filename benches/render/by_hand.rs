@@ -130,7 +130,7 @@ impl Point {
     }
 
     /// A mirror direction of a visible normal (Dupuy and Benyoub 2023).
-    fn from_floor(&self, u: f64, turn: f64) -> V {
+    fn off_floor(&self, u: f64, turn: f64) -> V {
         let v = unit([ALPHA * self.v[0], ALPHA * self.v[1], self.v[2]]);
         let z = 1.0 - u * (1.0 + v[2]);
         let sin = (1.0 - z * z).sqrt();
@@ -180,54 +180,87 @@ impl Point {
     }
 }
 
-/// The mean radiance of a picture of `size` by `size` pixels.
-pub(crate) fn render(size: u32, each: u64, seed: u64) -> f64 {
+/// The mean radiance of a picture of `size` by `size` pixels, with so many rays for each, and `each`
+/// samples of the lights and of the BSDF for each ray: of one light and the other in turn, or by chance
+/// if there is only one.
+pub(crate) fn render(size: u32, rays: u64, each: u64, seed: u64) -> f64 {
     let mut generator = Pcg64Mcg::seed_from_u64(seed);
-    let forward = unit(sub([0.0, 0.3, 0.0], EYE));
-    let left = unit([-forward[1], forward[0], 0.0]);
-    let up = [
-        forward[1] * left[2] - forward[2] * left[1],
-        forward[2] * left[0] - forward[0] * left[2],
-        forward[0] * left[1] - forward[1] * left[0],
-    ];
-    let t = 20_f64.to_radians().tan();
+    let camera = Eye::new(size);
     let mut picture = vec![0.0; (size * size) as usize];
     for (pixel, number) in picture.iter_mut().zip(0..) {
-        let film = |cell: u32, u: f64| 1.0 - 2.0 * (f64::from(cell) + u) / f64::from(size);
-        let sx = t * film(number % size, uniform(&mut generator));
-        let sy = t * film(number / size, uniform(&mut generator));
-        let ray = unit(std::array::from_fn(|i| forward[i] + sx * left[i] + sy * up[i]));
+        let mut sum = 0.0;
+        for _ in 0..rays {
+            let (x, y) = (uniform(&mut generator), uniform(&mut generator));
+            let ray = camera.ray(f64::from(number % size) + x, f64::from(number / size) + y);
+            let point = match camera.seen(ray) {
+                Ok(point) => point,
+                Err(radiance) => {
+                    sum += radiance;
+                    continue;
+                }
+            };
+            let mut samples = 0.0;
+            for k in 0..each {
+                let sphere = if each == 1 { uniform(&mut generator) < 0.5 } else { k % 2 == 0 };
+                let (u, v) = (uniform(&mut generator), uniform(&mut generator));
+                let w = if sphere { point.to_sphere(u, v) } else { point.to_ceiling(u, v) };
+                samples += point.contribution(w);
+            }
+            for _ in 0..each {
+                let w = point.off_floor(uniform(&mut generator), uniform(&mut generator));
+                samples += point.contribution(w);
+            }
+            sum += samples / each as f64;
+        }
+        *pixel = sum / rays as f64;
+    }
+    picture.iter().sum::<f64>() / f64::from(size * size)
+}
+
+struct Eye {
+    forward: V,
+    left: V,
+    up: V,
+    size: f64,
+}
+
+impl Eye {
+    fn new(size: u32) -> Self {
+        let forward = unit(sub([0.0, 0.3, 0.0], EYE));
+        let left = unit([-forward[1], forward[0], 0.0]);
+        let up = [
+            forward[1] * left[2] - forward[2] * left[1],
+            forward[2] * left[0] - forward[0] * left[2],
+            forward[0] * left[1] - forward[1] * left[0],
+        ];
+        let t = 20_f64.to_radians().tan();
+        Self { forward, left: times(t, left), up: times(t, up), size: f64::from(size) }
+    }
+
+    fn ray(&self, x: f64, y: f64) -> V {
+        let (sx, sy) = (1.0 - 2.0 * x / self.size, 1.0 - 2.0 * y / self.size);
+        unit(std::array::from_fn(|i| self.forward[i] + sx * self.left[i] + sy * self.up[i]))
+    }
+
+    /// The point of the floor that a ray meets, or the radiance of what is in front or beside.
+    fn seen(&self, ray: V) -> Result<Point, f64> {
         let to_sphere = sub(SPHERE.0, EYE);
         let along = dot(to_sphere, ray);
         let chord2 = SPHERE.1 * SPHERE.1 - dot(to_sphere, to_sphere) + along * along;
+        if chord2 >= 0.0 {
+            return Err(SPHERE.2);
+        }
         // The ceiling is black from above.
         let [cx, cy, cz] = sub(CEILING.0, EYE);
         let s = cz / ray[2];
         let behind = s > 0.0
             && (s * ray[0] - cx).abs() <= CEILING.1[0]
             && (s * ray[1] - cy).abs() <= CEILING.1[1];
-        if chord2 >= 0.0 || behind || ray[2] >= 0.0 {
-            *pixel = if chord2 >= 0.0 { SPHERE.2 } else { 0.0 };
-            continue;
-        }
         let distance = -EYE[2] / ray[2];
         let p = [EYE[0] + distance * ray[0], EYE[1] + distance * ray[1], 0.0];
-        if p[0].abs() > 2.0 || p[1].abs() > 2.0 {
-            continue;
+        if behind || ray[2] >= 0.0 || p[0].abs() > 2.0 || p[1].abs() > 2.0 {
+            return Err(0.0);
         }
-        let point = Point::new(p, times(-1.0, ray));
-        let mut sum = 0.0;
-        for _ in 0..each / 2 {
-            let w = point.to_sphere(uniform(&mut generator), uniform(&mut generator));
-            sum += point.contribution(w);
-            let w = point.to_ceiling(uniform(&mut generator), uniform(&mut generator));
-            sum += point.contribution(w);
-        }
-        for _ in 0..each {
-            let w = point.from_floor(uniform(&mut generator), uniform(&mut generator));
-            sum += point.contribution(w);
-        }
-        *pixel = sum / each as f64;
+        Ok(Point::new(p, times(-1.0, ray)))
     }
-    picture.iter().sum::<f64>() / f64::from(size * size)
 }

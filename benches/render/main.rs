@@ -1,77 +1,76 @@
 //! How fast the renderer is, against a loop that is written for one scene.
 //!
-//! `cargo bench --bench render` renders a floor under two lights with one camera ray for each pixel and
-//! 16 samples of the lights and of the BSDF each, on one thread and on two, and prints samples a second
-//! and their ratio to the loop of `by_hand`, the fastest of several runs each. `-- hand` or
-//! `-- renderer` runs that alone, once.
+//! `cargo bench --bench render` prints samples a second, the fastest of many short pictures each, which
+//! are made in turn: with one camera ray for each pixel and 16 samples of the lights and of the BSDF
+//! each, and with 16 rays and one of each. `by_hand` is the loop. A larger picture shows what a second
+//! thread gives.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod by_hand;
+mod scene;
 
 use std::time::Instant;
 
-use mis::lighting::{Camera, DVec3, GgxConductor, Light, Rectangle, Renderer, Scene, Sphere};
+use mis::lighting::{Camera, Renderer, Scene};
+use scene::{camera, scene};
 
-const SIZE: u32 = 256;
+/// A picture of a few milliseconds: one of many will not be disturbed.
+const SMALL: u32 = 96;
+const LARGE: u32 = 384;
 /// Samples of the lights, and of the BSDF, for each pixel.
 const EACH: u64 = 16;
 
 fn main() {
-    let has = |name: &str| std::env::args().any(|argument| argument == name);
-    let scene = scene();
-    let camera = Camera::new(
-        DVec3::new(0.0, -3.2, 1.6),
-        DVec3::new(0.0, 0.3, 0.0),
-        DVec3::Z,
-        40_f64.to_radians(),
-        SIZE,
-        SIZE,
-    )
-    .unwrap();
-    let with = |threads: usize| {
-        let renderer = Renderer::new(&scene, &camera).rays(1).unwrap();
-        let renderer = renderer.samples(EACH, EACH).unwrap().threads(threads).unwrap();
-        move |seed| renderer.render(seed).unwrap().mean()
-    };
-    let (one, two) = (with(1), with(2));
-    let loop_by_hand = |seed| by_hand::render(SIZE, EACH, seed);
-    if has("hand") || has("renderer") {
-        let mean = if has("hand") { loop_by_hand(1) } else { one(1) };
-        println!("mean {mean:.5}");
-        return;
-    }
     // `cargo bench -- --test` wants to know whether it runs.
-    let runs = if has("--test") { 1 } else { 15 };
+    let quick = std::env::args().any(|argument| argument == "--test");
+    let (many, few) = if quick { (1, 1) } else { (200, 9) };
+    let scene = scene();
+    let camera = camera(SMALL);
+    for (name, rays, each) in [("a ray for each pixel", 1, EACH), ("16 rays", EACH, 1)] {
+        println!("\n{name}, {each} samples of the lights and {each} of the BSDF for each");
+        let renderer = |seed| render(&scene, &camera, rays, each, 1, seed);
+        let by_hand = |seed| by_hand::render(SMALL, rays, each, seed);
+        compare(SMALL, many, &[("by hand", &by_hand), ("renderer", &renderer)]);
+    }
+    println!("\nthreads");
+    let camera = self::camera(LARGE);
+    let on = |threads| {
+        let (scene, camera) = (&scene, &camera);
+        move |seed| render(scene, camera, 1, EACH, threads, seed)
+    };
+    compare(LARGE, few, &[("1", &on(1)), ("2", &on(2))]);
+}
 
-    let rows: [(&str, &dyn Fn(u64) -> f64); 3] =
-        [("by hand", &loop_by_hand), ("renderer", &one), ("renderer, 2 threads", &two)];
-    let mut best = [f64::INFINITY; 3];
-    let mut means = [0.0; 3];
+/// The mean radiance of a picture.
+fn render(
+    scene: &Scene<f64>,
+    camera: &Camera,
+    rays: u64,
+    each: u64,
+    threads: usize,
+    seed: u64,
+) -> f64 {
+    let renderer = Renderer::new(scene, camera).rays(rays).unwrap();
+    let renderer = renderer.samples(each, each).unwrap().threads(threads).unwrap();
+    renderer.render(seed).unwrap().mean()
+}
+
+/// Prints the rates of some ways to render a picture, over that of the first.
+fn compare(size: u32, runs: u64, rows: &[(&str, &dyn Fn(u64) -> f64)]) {
+    let mut results = vec![(f64::INFINITY, 0.0); rows.len()];
     // In turn, so that whatever else the machine does hits all.
     for seed in 0..runs {
-        for (((_, render), best), mean) in rows.iter().zip(&mut best).zip(&mut means) {
+        for ((_, render), (best, mean)) in rows.iter().zip(&mut results) {
             let began = Instant::now();
             *mean += render(seed) / runs as f64;
             *best = best.min(began.elapsed().as_secs_f64());
         }
     }
-    let samples = f64::from(SIZE * SIZE) * 2.0 * EACH as f64;
-    let [hand, ..] = best;
-    println!("{samples:.0} samples, the fastest of {runs}");
-    println!("{:<20} {:>10} {:>10} {:>12}", "", "M/s", "mean", "to by hand");
-    for (((name, _), best), mean) in rows.iter().zip(best).zip(means) {
-        println!("{name:<20} {:>10.2} {mean:>10.5} {:>12.2}", samples / best / 1e6, hand / best);
+    let samples = f64::from(size * size) * 2.0 * EACH as f64;
+    println!("{:<10} {:>10} {:>10} {:>8}", "", "M/s", "mean", "ratio");
+    for ((name, _), (best, mean)) in rows.iter().zip(&results) {
+        let (rate, ratio) = (samples / best / 1e6, results[0].0 / best);
+        println!("{name:<10} {rate:>10.2} {mean:>10.5} {ratio:>8.2}");
     }
-}
-
-fn scene() -> Scene<f64> {
-    let sphere = Sphere::new(DVec3::new(0.9, 0.8, 0.9), 0.25).unwrap();
-    let (half_x, half_y) = (-0.35 * DVec3::X, 0.25 * DVec3::Y);
-    let ceiling = Rectangle::new(DVec3::new(-0.8, 0.7, 1.1), half_x, half_y).unwrap();
-    let floor = Rectangle::new(DVec3::ZERO, 2.0 * DVec3::X, 2.0 * DVec3::Y).unwrap();
-    Scene::new()
-        .light(Light::new(sphere, 5.0).unwrap())
-        .light(Light::one_sided(ceiling, 8.0).unwrap())
-        .surface(floor, GgxConductor::new(1.0, 0.1).unwrap())
 }

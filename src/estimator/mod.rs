@@ -55,14 +55,7 @@ pub trait Estimator<P: Debug>: Draw<P> {
         S: PointSource + ?Sized,
         I: FnMut(&Sample<'_, P, F::Value>),
     {
-        let frame = self.frame();
-        let replicates = replicates(points);
-        let mut part = Part::empty(frame.shares.len(), replicates, F::Value::COMPONENTS);
-        let sums = Sums { part: &mut part, evidence: None };
-        self.draw(f, points, 0..frame.samples, &mut Buffers::new(), sums, inspect)?;
-        let all = part.all();
-        frame.on_fault.check(all.faults(), all.samples)?;
-        Ok(Estimate::new(frame.design, frame.shares, part))
+        self.inspect_with(f, points, &mut Buffers::new(), inspect)
     }
 
     /// Estimates ∫ f from the canonical numbers of `points`.
@@ -92,6 +85,33 @@ pub trait Estimator<P: Debug>: Draw<P> {
 }
 
 impl<P: Debug, E: Draw<P>> Estimator<P> for E {}
+
+/// [`Estimator::inspect`], in memory that is there already.
+pub(crate) trait InspectWith<P: Debug>: Draw<P> {
+    fn inspect_with<F, S, I>(
+        &self,
+        f: &F,
+        points: &S,
+        buffers: &mut Buffers<P, F::Value>,
+        inspect: I,
+    ) -> Result<Estimate<F::Value>, EstimateError>
+    where
+        F: Integrand<P> + ?Sized,
+        S: PointSource + ?Sized,
+        I: FnMut(&Sample<'_, P, F::Value>),
+    {
+        let frame = self.frame();
+        let replicates = replicates(points);
+        let mut part = Part::empty(frame.shares.len(), replicates, F::Value::COMPONENTS);
+        let sums = Sums { part: &mut part, evidence: None };
+        self.draw(f, points, 0..frame.samples, buffers, sums, inspect)?;
+        let all = part.all();
+        frame.on_fault.check(all.faults(), all.samples)?;
+        Ok(Estimate::new(frame.design, frame.shares, part))
+    }
+}
+
+impl<P: Debug, E: Draw<P> + ?Sized> InspectWith<P> for E {}
 
 /// Draws any range of an estimator's samples: all at once, or by and by.
 ///

@@ -6,6 +6,7 @@ use super::direction::Direction;
 use super::spectrum::Spectrum;
 use super::surface::Surface;
 use crate::technique::Technique;
+use crate::vectors::vectorised;
 
 /// A bidirectional scattering distribution function, f_r(p, ω_i, ω_o), and the lobes that sample it.
 ///
@@ -27,6 +28,14 @@ pub trait Bsdf: Debug + Send + Sync {
     /// The direction of light that the two canonical numbers `xi` map to, from the lobe with this
     /// number. It may be below the surface.
     fn sample(&self, lobe: usize, surface: &Surface, xi: &[f64]) -> Direction;
+
+    /// [`sample`](Bsdf::sample) for each pair of `xi`, at its place in `ws`.
+    fn sample_batch(&self, lobe: usize, surface: &Surface, xi: &[[f64; 2]], ws: &mut [Direction]) {
+        vectorised(
+            #[inline(always)]
+            || ws.iter_mut().zip(xi).for_each(|(w, xi)| *w = self.sample(lobe, surface, xi)),
+        );
+    }
 
     /// The density of these samples of the lobe, per steradian.
     fn pdf(&self, lobe: usize, surface: &Surface, incident: &Direction) -> f64;
@@ -52,7 +61,7 @@ pub trait Bsdf: Debug + Send + Sync {
     where
         Self: Sized,
     {
-        (0..self.lobes()).map(|lobe| Lobe { bsdf: self, lobe, surface: *surface }).collect()
+        (0..self.lobes()).map(|number| Lobe { bsdf: self, number, surface: *surface }).collect()
     }
 }
 
@@ -60,7 +69,7 @@ pub trait Bsdf: Debug + Send + Sync {
 #[derive(Debug)]
 pub struct Lobe<'a, B: ?Sized> {
     bsdf: &'a B,
-    lobe: usize,
+    number: usize,
     surface: Surface,
 }
 
@@ -72,15 +81,15 @@ impl<B: Bsdf + ?Sized> Technique for Lobe<'_, B> {
     }
 
     fn sample(&self, xi: &[f64]) -> Direction {
-        self.bsdf.sample(self.lobe, &self.surface, xi)
+        self.bsdf.sample(self.number, &self.surface, xi)
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
-        self.bsdf.pdf(self.lobe, &self.surface, w)
+        self.bsdf.pdf(self.number, &self.surface, w)
     }
 
     fn ln_pdf(&self, w: &Direction) -> f64 {
-        self.bsdf.ln_pdf(self.lobe, &self.surface, w)
+        self.bsdf.ln_pdf(self.number, &self.surface, w)
     }
 }
 

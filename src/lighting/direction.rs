@@ -30,9 +30,7 @@ impl Direction {
     ///
     /// `vector` must be finite and not 0.
     pub fn new(vector: DVec3) -> Result<Self, ArgumentError> {
-        // Scaled first, so that the squares neither overflow nor underflow.
-        let scaled = vector / vector.abs().max_element();
-        let unit = scaled / scaled.length();
+        let unit = scaled(vector).0.normalize();
         if unit.is_finite() {
             Ok(Self(unit))
         } else {
@@ -80,8 +78,18 @@ impl Direction {
 
 /// The length of `vector`, whose squares may leave the range of `f64`.
 pub(super) fn length(vector: DVec3) -> f64 {
+    let (scaled, exponent) = scaled(vector);
+    exponent * scaled.length()
+}
+
+/// `vector` divided by a power of 2 that is near its largest coordinate, and the power: its squares
+/// neither overflow nor underflow.
+fn scaled(vector: DVec3) -> (DVec3, f64) {
     let largest = vector.abs().max_element();
-    if largest > 0.0 { largest * (vector / largest).length() } else { largest }
+    // The inverse of the largest powers would be subnormal, and that of the smallest infinite.
+    let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
+    let power = power.clamp(f64::MIN_POSITIVE, 2f64.powi(1022));
+    (vector * power.recip(), power)
 }
 
 /// An axis with two directions that make it an orthonormal basis.
@@ -108,12 +116,14 @@ impl Frame {
     }
 
     /// The direction with these coordinates, which are of a unit vector.
+    #[inline(always)]
     pub(super) fn world(&self, w: DVec3) -> Direction {
         Direction(w.x * self.s + w.y * self.t + w.z * self.axis.0)
     }
 
     /// The direction at an angle θ from the axis, 1 - cos θ = `q`, turned by `turn` of a full
     /// circle.
+    #[inline(always)]
     pub(super) fn around(&self, q: f64, turn: f64) -> Direction {
         let sin = (q * (2.0 - q)).sqrt();
         let (sin_phi, cos_phi) = sin_cos_of_turn(turn);

@@ -56,6 +56,7 @@ impl Microfacets {
     }
 
     /// One of these directions.
+    #[inline(always)]
     fn sample(self, outgoing: DVec3, xi: &[f64]) -> DVec3 {
         // In the space where the surface is a hemisphere, mirrors send light from a cap of directions.
         let stretch = DVec3::new(self.alpha, self.alpha, 1.0);
@@ -177,6 +178,7 @@ impl<V: Spectrum> Bsdf for GgxConductor<V> {
         (value, pdf)
     }
 
+    #[inline(always)]
     fn sample(&self, _: usize, surface: &Surface, xi: &[f64]) -> Direction {
         surface.frame().world(self.facets.sample(surface.local_outgoing(), xi))
     }

@@ -23,6 +23,11 @@ pub(super) struct Ray<V> {
 }
 
 impl<V: Spectrum> Incident<V> {
+    /// No light, and nothing in its way.
+    pub(super) fn nothing() -> Self {
+        Self { lights: Vec::new(), point_lights: Vec::new(), occluders: Vec::new() }
+    }
+
     /// The lights, each a technique of its own: those that fill a solid angle, in the order of the
     /// scene.
     #[must_use]
@@ -31,6 +36,7 @@ impl<V: Spectrum> Incident<V> {
     }
 
     /// The light with this number in the scene, if it fills a solid angle.
+    #[inline(always)]
     pub(super) fn numbered(&self, number: usize) -> Option<&SeenLight<V>> {
         // Lights before it may be missing.
         let place = self.lights.get(number).filter(|light| light.number == number);
@@ -50,6 +56,7 @@ impl<V: Spectrum> Incident<V> {
 
     /// The light that is seen in the direction `w`; `meet` is told of every one that it meets, hidden or
     /// not.
+    #[inline(always)]
     pub(super) fn visible(
         &self,
         w: &Direction,

@@ -164,6 +164,7 @@ impl<V: Spectrum> Technique for SeenLight<V> {
         self.directions.dimension()
     }
 
+    #[inline(always)]
     fn sample(&self, xi: &[f64]) -> Direction {
         self.directions.sample(xi)
     }

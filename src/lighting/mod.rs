@@ -44,13 +44,38 @@
 //! | `f * Li * AbsDot(wi, n)` | [`ReflectedRadiance`], the integrand |
 //! | the weights, `/ pdf`, the loop over samples | [`MultiSample`](crate::MultiSample) or [`OneSample`](crate::OneSample) |
 //!
-//! Samples below the surface contribute 0 and count. A point light has no density, so it is not a
-//! technique, and a [`Sphere`] has a radius greater than 0.
+//! Samples below the surface contribute 0 and count. A [`PointLight`] has no density, so it is not a
+//! technique: what it adds is exact ([`ReflectedRadiance::from_point_lights`]). A [`Sphere`] has a
+//! radius greater than 0.
+//!
+//! # Pictures
+//!
+//! A [`Renderer`] makes a picture of a [`Scene`] with a [`Camera`]. A pixel is an integral over its
+//! square and over the directions of light: rays of the camera, and samples of the lights and of the BSDF
+//! where each of them ends. [`Combination`] names the estimator, [`LightChoice`] how several lights are
+//! sampled: by one technique that picks one of them, or by one for each.
+//!
+//! | strategy | how |
+//! |---|---|
+//! | lights only, BSDF only | [`samples(m, 0)`](Renderer::samples), `samples(0, m)` |
+//! | constant weights | [`Combination::Constant`] |
+//! | balance, power, maximum | [`Combination::Balance`] and so on |
+//! | one sample, of a strategy by chance | [`Combination::OneSample`] |
+//! | least variance, pixel by pixel | [`Combination::Optimal`] |
+//!
+//! `cargo run --release --example veach` renders E. Veach's figure of four plates under four lights by
+//! all of them, and tells where each wins.
 //!
 //! # Limits
 //!
-//! Directions are `f64`: sizes and lobes below about 1e-12 radians are near their resolution (see
-//! [`Direction`]). Lights emit the same radiance everywhere; surfaces are opaque.
+//! Light is reflected once, on its way from a light to the eye. Surfaces are rectangles. Directions are
+//! `f64`: sizes and lobes below about 1e-12 radians are near their resolution (see
+//! [`Direction`]). Lights emit the same radiance everywhere and reflect nothing; surfaces are opaque.
+
+#![expect(
+    clippy::inline_always,
+    reason = "a call keeps a loop from being compiled for the processor's vectors"
+)]
 
 mod bsdf;
 mod camera;

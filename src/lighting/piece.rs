@@ -97,6 +97,7 @@ impl Piece {
 
     /// The point of the rectangle that (ξ₀, ξ₁) map to: x by the solid angle left of it, then y,
     /// whose density given x is proportional to (x² + h² + y²)^(-3/2).
+    #[inline(always)]
     pub(super) fn point(&self, xi0: f64, xi1: f64) -> DVec3 {
         let h = self.height;
         let a = self.before + xi0 * self.within;
@@ -114,11 +115,8 @@ impl Piece {
 
         // sin β = y / √(d² + y²) is uniform; both it and 1 - sin β are kept, for 1 - sin² β.
         let d2 = x * x + h * h;
-        let [(sin0, rest0), (sin1, rest1)] = [self.y.low, self.y.high].map(|y| {
-            let length = (d2 + y * y).sqrt();
-            let inverse = (length * (length + y)).recip();
-            (y * (length + y) * inverse, d2 * inverse)
-        });
+        let (sin0, rest0) = sin_and_rest(self.y.low, d2);
+        let (sin1, rest1) = sin_and_rest(self.y.high, d2);
         let d = d2.sqrt();
         let sin = sin0 + xi1 * (sin1 - sin0);
         let rest = rest1 + (1.0 - xi1) * (rest0 - rest1);
@@ -127,7 +125,16 @@ impl Piece {
     }
 }
 
+/// y / √(d² + y²), and 1 less that.
+#[inline(always)]
+fn sin_and_rest(y: f64, d2: f64) -> (f64, f64) {
+    let length = (d2 + y * y).sqrt();
+    let inverse = (length * (length + y)).recip();
+    (y * (length + y) * inverse, d2 * inverse)
+}
+
 /// The sine and the cosine of an angle in radians.
+#[inline(always)]
 fn sin_cos(angle: f64) -> (f64, f64) {
     sin_cos_of_turn(angle * TAU.recip())
 }

@@ -80,6 +80,7 @@ impl Placed {
     }
 
     /// The direction towards the point with these coordinates.
+    #[inline(always)]
     pub(super) fn direction(&self, local: DVec3) -> Direction {
         let local = local.normalize();
         let [x, y, z] = self.axes;
@@ -88,10 +89,13 @@ impl Placed {
 
     /// Whether `w` is on the inner side of the planes through the point and an edge, each moved
     /// outwards by the rounding of a direction.
+    #[inline(always)]
     pub(super) fn contains(&self, w: &Direction) -> bool {
         let [_, _, z] = self.axes;
-        let within = |normal: &DVec3| normal.dot(w.vector()) >= -RIM;
-        self.planes.iter().all(within) && within(&z)
+        let w = w.vector();
+        let [a, b, c, d] = &self.planes;
+        let within = |normal: &DVec3| normal.dot(w) >= -RIM;
+        within(a) && within(b) && within(c) && within(d) && within(&z)
     }
 
     /// The distance to the rectangle in the direction `w`, or `None` where it misses.

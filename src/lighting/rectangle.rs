@@ -181,6 +181,7 @@ impl SphericalRectangle {
         self.solid_angle
     }
 
+    #[inline(always)]
     pub(super) fn contains(&self, w: &Direction) -> bool {
         self.placed.contains(w)
     }
@@ -205,6 +206,7 @@ impl Technique for SphericalRectangle {
         2
     }
 
+    #[inline(always)]
     fn sample(&self, xi: &[f64]) -> Direction {
         let mut remaining = canonical(xi, 0) * self.solid_angle;
         let mut pieces = self.pieces.iter().peekable();

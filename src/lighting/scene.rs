@@ -83,20 +83,27 @@ impl<V: Spectrum> Scene<V> {
     ///
     /// `point` must be finite, and not the position of a point light.
     pub fn seen_from(&self, point: DVec3) -> Result<Incident<V>, ArgumentError> {
-        self.seen_from_surface(point, None)
+        let mut incident = Incident::nothing();
+        self.see_from(point, None, &mut incident)?;
+        Ok(incident)
     }
 
-    /// The radiance that arrives at a point, which is on the surface with this number if there is one.
-    pub(super) fn seen_from_surface(
+    /// Makes `incident` the radiance that arrives at a point, which is on the surface with this number if
+    /// there is one.
+    pub(super) fn see_from(
         &self,
         point: DVec3,
         surface: Option<usize>,
-    ) -> Result<Incident<V>, ArgumentError> {
+        incident: &mut Incident<V>,
+    ) -> Result<(), ArgumentError> {
         if !point.is_finite() {
             return Err(ArgumentError::new("Scene", "point", point, "it must be finite"));
         }
         // What fills no solid angle neither lights nor shadows the point.
-        let (mut lights, mut occluders) = (Vec::with_capacity(self.lights.len()), Vec::new());
+        let Incident { lights, point_lights, occluders } = incident;
+        lights.clear();
+        point_lights.clear();
+        occluders.clear();
         for (number, light) in self.lights.iter().enumerate() {
             if light.is_behind(point) {
                 occluders.extend(light.shape().outline_from(point));
@@ -109,7 +116,7 @@ impl<V: Spectrum> Scene<V> {
         let outlines = others.filter_map(|(_, (rectangle, _))| rectangle.outline_from(point));
         occluders.extend(outlines.map(Outline::Rectangle));
         occluders.extend(self.occluders.iter().filter_map(|shape| shape.outline_from(point)));
-        let rays = self.point_lights.iter().map(|light| {
+        for light in &self.point_lights {
             let to_light = light.position() - point;
             let distance = length(to_light);
             let direction = Direction::new(to_light).map_err(|_| {
@@ -117,10 +124,9 @@ impl<V: Spectrum> Scene<V> {
                 ArgumentError::new("Scene", "point", point, rule)
             })?;
             let flux = light.intensity().scaled(1.0 / distance).scaled(1.0 / distance);
-            Ok(Ray { direction, distance, flux })
-        });
-        let point_lights = rays.collect::<Result<_, ArgumentError>>()?;
-        Ok(Incident { lights, point_lights, occluders })
+            point_lights.push(Ray { direction, distance, flux });
+        }
+        Ok(())
     }
 
     /// The scene as it is seen from an eye at `point`.

@@ -111,7 +111,18 @@ impl SolidAngle {
         }
     }
 
+    /// The samples of pairs of canonical numbers.
+    #[inline(always)]
+    pub(super) fn fill(&self, xi: &[[f64; 2]], ws: &mut [Direction]) {
+        let pairs = ws.iter_mut().zip(xi);
+        match self {
+            Self::Sphere(cone) => pairs.for_each(|(w, xi)| *w = cone.sample(xi)),
+            Self::Rectangle(rectangle) => pairs.for_each(|(w, xi)| *w = rectangle.sample(xi)),
+        }
+    }
+
     /// Whether the direction `w` meets the shape.
+    #[inline(always)]
     pub(super) fn contains(&self, w: &Direction) -> bool {
         match self {
             Self::Sphere(cone) => cone.contains(w),
@@ -146,6 +157,7 @@ impl Technique for SolidAngle {
         2
     }
 
+    #[inline(always)]
     fn sample(&self, xi: &[f64]) -> Direction {
         match self {
             Self::Sphere(cone) => cone.sample(xi),

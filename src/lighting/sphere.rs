@@ -145,6 +145,7 @@ impl Cone {
         TAU * self.width
     }
 
+    #[inline(always)]
     pub(super) fn contains(&self, w: &Direction) -> bool {
         2.0 * w.one_minus_cos(self.frame.axis) <= self.reach2
     }
@@ -183,6 +184,7 @@ impl Technique for Cone {
         2
     }
 
+    #[inline(always)]
     fn sample(&self, xi: &[f64]) -> Direction {
         self.frame.around(canonical(xi, 0) * self.width, canonical(xi, 1))
     }

@@ -27,6 +27,7 @@ mod numeric_inverse;
 mod piecewise;
 mod power_law;
 mod product;
+mod rows;
 mod statrs;
 mod tabulate;
 mod truncated;
@@ -258,10 +259,12 @@ pub fn canonical(xi: &[f64], d: usize) -> f64 {
 /// The smallest canonical number.
 const SMALLEST: f64 = f64::EPSILON / 4.0;
 
+/// The largest canonical number.
+const LARGEST: f64 = 1.0 - f64::EPSILON / 2.0;
+
 /// `u`, moved into the open unit interval.
 #[inline]
 fn open(u: f64) -> f64 {
-    const LARGEST: f64 = 1.0 - f64::EPSILON / 2.0;
     u.clamp(SMALLEST, LARGEST)
 }
 

@@ -1,9 +1,8 @@
 //! The uniform density on a finite interval.
 
 use super::columns::density;
-use super::{InverseCdf, Technique, batch, canonical, open};
+use super::{InverseCdf, Technique, batch, canonical, rows};
 use crate::error::{ArgumentError, finite, greater};
-use crate::vectors::vectorised;
 
 /// The uniform density on \[a, b\], with respect to length.
 ///
@@ -49,12 +48,18 @@ impl Uniform {
     }
 
     #[inline]
-    fn contains(&self, x: f64) -> bool {
+    pub(super) fn ends(&self) -> (f64, f64) {
+        (self.a, self.b)
+    }
+
+    #[inline]
+    pub(super) fn contains(&self, x: f64) -> bool {
         (self.a <= x) & (x <= self.b)
     }
 
     /// From the nearer end, so that neither end is overshot by rounding.
-    fn place(&self, u: f64) -> f64 {
+    #[inline]
+    pub(super) fn place(&self, u: f64) -> f64 {
         let width = self.b - self.a;
         if u < 0.5 { self.a + u * width } else { self.b - (1.0 - u) * width }
     }
@@ -110,35 +115,19 @@ impl InverseCdf for Uniform {
     }
 
     fn sample_rows<P: AsMut<[f64]>>(coordinates: &[Self], xi: &[f64], xs: &mut [P]) {
-        // The coordinates of a point go into one vector.
-        vectorised(
-            #[inline(always)]
-            || {
-                for (x, xi) in xs.iter_mut().zip(xi.chunks_exact(coordinates.len())) {
-                    for ((x, u), t) in x.as_mut().iter_mut().zip(xi).zip(coordinates) {
-                        *x = t.place(open(*u));
-                    }
-                }
-            },
-        );
+        rows::place(coordinates, xi, xs);
     }
 
     fn pdf_rows<P: AsRef<[f64]>>(coordinates: &[Self], xs: &[P], out: &mut [f64]) {
+        rows::within(coordinates, xs, out);
         // It is the same wherever it is not 0.
-        let mut within = None;
-        vectorised(
-            #[inline(always)]
-            || {
-                for (p, x) in out.iter_mut().zip(xs) {
-                    let x = x.as_ref();
-                    let is_within = |inside, (t, x): (&Self, &f64)| inside & t.contains(*x);
-                    *p = if coordinates.iter().zip(x).fold(true, is_within) {
-                        *within.get_or_insert_with(|| density(coordinates, x))
-                    } else {
-                        0.0
-                    };
-                }
-            },
-        );
+        let first = out.iter().zip(xs).find(|(inside, _)| **inside > 0.0);
+        let p = first.map_or(0.0, |(_, x)| density(coordinates, x.as_ref()));
+        if p != 1.0 {
+            // Not a product, which would be NaN at 0 times infinity.
+            for out in out {
+                *out = if *out > 0.0 { p } else { 0.0 };
+            }
+        }
     }
 }

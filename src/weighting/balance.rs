@@ -37,7 +37,7 @@ pub(super) fn reciprocal_sums<'a>(
     rows: &(impl Iterator<Item = (f64, &'a [f64])> + Clone),
     out: &mut [f64],
 ) {
-    let greatest = dispatch!(Level::new(), simd => by_sixteens(simd, rows, out));
+    let greatest = dispatch!(Level::new(), simd => by_groups(simd, rows, out));
     let whole = out.len() - out.len() % POINTS;
     // A c that is too small has an infinite reciprocal, which shows; a c that is too large does
     // not. NaN stays NaN.
@@ -50,13 +50,13 @@ pub(super) fn reciprocal_sums<'a>(
 }
 
 /// How many points are summed side by side.
-const POINTS: usize = 16;
+const POINTS: usize = 32;
 
 /// 1 / Σ a_k p_k at as many points as there are whole groups of; returns the greatest sum in each of
 /// four lanes.
 #[expect(clippy::inline_always, reason = "what is not inlined is not compiled for the vectors")]
 #[inline(always)]
-fn by_sixteens<'a, S: Simd>(
+fn by_groups<'a, S: Simd>(
     simd: S,
     rows: &(impl Iterator<Item = (f64, &'a [f64])> + Clone),
     out: &mut [f64],

@@ -8,9 +8,10 @@ use mis::technique::{Normal, Technique, Uniform, canonical};
 use crate::{Square, assert_broken, assert_size, square};
 
 /// By quadrature, and by the reference's samples.
-fn both(p: &Square) -> [Report; 2] {
+fn both(p: &Square, samples: usize) -> [Report; 2] {
+    let options = Options::default().samples(samples);
     [true, false].map(|quadrature| {
-        check::technique(p, &square(), |x| *x, &Options::default().quadrature(quadrature))
+        check::technique(p, &square(), |x| *x, &options.clone().quadrature(quadrature))
     })
 }
 
@@ -19,12 +20,12 @@ fn correlation_that_the_pdf_ignores() {
     // Both marginals are uniform; y follows x a little.
     let map = |[u, v]: [f64; 2]| [u, (v + 0.05 * (TAU * u).sin()).rem_euclid(1.0)];
     let right = Square { map, pdf: |_| 1.0 };
-    for report in both(&right) {
+    for report in both(&right, 20_000) {
         assert!(report.passed(), "{report}");
     }
     // y is x in one of 20 samples.
     let map = |[u, v]: [f64; 2]| [u, if v < 0.05 { u } else { (v - 0.05) / 0.95 }];
-    for report in both(&Square { map, pdf: |_| 1.0 }) {
+    for report in both(&Square { map, pdf: |_| 1.0 }, 100_000) {
         assert_broken(&report, &[Law::JointChiSquared(0, 1)]);
         // χ² grows by n (0.05)² 9.
         assert_size(&report, Law::JointChiSquared(0, 1), 40.0, 0.5, " samples, ");
@@ -33,11 +34,11 @@ fn correlation_that_the_pdf_ignores() {
 
 #[test]
 fn points_whose_pdf_is_scaled_or_of_another_shape() {
-    for report in both(&Square { map: |x| x, pdf: |_| 1.05 }) {
+    for report in both(&Square { map: |x| x, pdf: |_| 1.05 }, 20_000) {
         assert_broken(&report, &[Law::Integral]);
         assert_size(&report, Law::Integral, 0.05, 1e-9, "integrates to 1.0500, 5.00 % too much");
     }
-    for report in both(&Square { map: |x| x, pdf: |x| 1.0 + 0.1 * (x[0] - 0.5) }) {
+    for report in both(&Square { map: |x| x, pdf: |x| 1.0 + 0.2 * (x[0] - 0.5) }, 25_000) {
         assert!(!report.get(Law::ChiSquared(0)).unwrap().passed(), "{report}");
         assert!(!report.get(Law::Kolmogorov(0)).unwrap().passed(), "{report}");
         assert!(report.get(Law::ChiSquared(1)).unwrap().passed(), "{report}");
@@ -50,7 +51,7 @@ fn points_whose_pdf_is_scaled_or_of_another_shape() {
 fn a_comb_is_right() {
     let map = |[u, v]: [f64; 2]| [((32.0 * u).floor() + 0.499 * (32.0 * u).fract()) / 32.0, v];
     let pdf = |x: &[f64; 2]| if (32.0 * x[0]).fract() < 0.499 { 1.0 / 0.499 } else { 0.0 };
-    for report in both(&Square { map, pdf }) {
+    for report in both(&Square { map, pdf }, 20_000) {
         assert!(report.passed(), "{report}");
         assert!(report.get(Law::Integral).unwrap().allowed() > 1e-3, "{report}");
     }
@@ -60,7 +61,7 @@ fn a_comb_is_right() {
 fn a_hole_in_two_dimensions() {
     // Where both are below a half, only those with x < y: samples move, the pdf does not.
     let map = |[u, v]: [f64; 2]| if u < 0.1 && v < 0.1 { [u + 0.1, v] } else { [u, v] };
-    for report in both(&Square { map, pdf: |_| 1.0 }) {
+    for report in both(&Square { map, pdf: |_| 1.0 }, 50_000) {
         assert!(!report.get(Law::JointChiSquared(0, 1)).unwrap().passed(), "{report}");
         assert!(!report.get(Law::ChiSquared(0)).unwrap().passed(), "{report}");
         assert!(report.get(Law::ChiSquared(1)).unwrap().passed(), "{report}");

@@ -65,7 +65,7 @@ fn values(problem: Problem, n: u64, make: Make, seeds: u64) -> Spread {
 /// Unbiased; the mean of the reported variances is the variance; 95 % intervals hold 95 %.
 fn check(seeds: u64) {
     // Whole pairs and blocks in every replicate, and neither.
-    for n in [2048, 1024 + 333] {
+    for n in [1024, 512 + 333] {
         for (source, make) in [("antithetic", ANTITHETIC), ("stratified", STRATIFIED)] {
             for (name, integral, problem) in PROBLEMS {
                 let estimates: Vec<_> = (0..seeds).map(|seed| problem(n, &*make(seed))).collect();
@@ -84,7 +84,7 @@ fn check(seeds: u64) {
                      coverage {share:.3}"
                 );
                 println!("{text}");
-                assert!(value.error() < 5e-3 * integral / (seeds as f64 / 100.0).sqrt(), "{text}");
+                assert!(value.error() < 7e-3 * integral / (seeds as f64 / 100.0).sqrt(), "{text}");
                 assert!(z.abs() <= Z, "{text}");
                 assert!(((ratio - 1.0) / deviation).abs() <= Z, "{text}");
                 let noise = 3.0 * (0.05 * 0.95 / seeds as f64).sqrt();
@@ -96,7 +96,7 @@ fn check(seeds: u64) {
 
 #[test]
 fn errors_honour_pairs_and_strata() {
-    check(100);
+    check(60);
 }
 
 #[test]
@@ -105,10 +105,10 @@ fn errors_honour_pairs_and_strata_in_full() {
     check(10_000);
 }
 
-/// Exact variances of n = 1024 samples, over those of random numbers.
+/// Exact variances of n = 512 samples, over those of random numbers.
 #[test]
 fn variances_are_as_stated() {
-    const N: u64 = 1024;
+    const N: u64 = 512;
     let variance = 0.5 * (E * E - 1.0) - (E - 1.0).powi(2);
     let antithetic = 1.0 + (E - (E - 1.0).powi(2)) / variance;
     assert!((antithetic.sqrt() - 0.18).abs() < 5e-3, "as documented");

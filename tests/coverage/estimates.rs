@@ -8,7 +8,7 @@ use mis::{Estimate, Estimator, MultiSample, OneSample};
 
 const LEVELS: [f64; 3] = [0.6827, 0.95, 0.99];
 
-const QUICK: u64 = 2000;
+const QUICK: u64 = 1000;
 const FULL: u64 = 10_000;
 
 /// The share of the seeds whose interval holds the integral is `expected` at each level.

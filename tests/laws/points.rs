@@ -65,9 +65,34 @@ fn vector<'a>(marginals: &[&'a dyn InverseCdf]) -> ProductVec<&'a dyn InverseCdf
     ProductVec::new(marginals.to_vec()).unwrap()
 }
 
+const FEW: usize = 20_000;
+const MANY: usize = 1_000_000;
+
+/// Tests of points by few samples, and by many.
+macro_rules! laws_of_points {
+    ($($name:ident $many:ident: $laws:ident;)*) => {$(
+        #[test]
+        fn $name() {
+            $laws(FEW);
+        }
+
+        #[test]
+        #[ignore = "1e6 samples: run in release"]
+        fn $many() {
+            $laws(MANY);
+        }
+    )*};
+}
+
+laws_of_points! {
+    points points_battery: of_the_smallest_example;
+    product_of_two_and_three product_of_two_and_three_battery: of_two_and_three;
+    product_of_run_time_length product_of_run_time_length_battery: of_run_time_length;
+    uniform_box uniform_box_battery: of_boxes;
+}
+
 /// The laws of points, on the smallest example.
-#[test]
-fn points() {
+fn of_the_smallest_example(n: usize) {
     struct Square(PowerLaw);
 
     impl Technique for Square {
@@ -87,36 +112,27 @@ fn points() {
     }
 
     let p = PowerLaw::new(1.0, 0.5, 2.0).unwrap();
-    check_points(&Square(p), &array([&p, &p]), &[&p, &p], &|x| [x[0], x[1]], 100_000, 1e-6);
+    check_points(&Square(p), &array([&p, &p]), &[&p, &p], &|x| [x[0], x[1]], n, 1e-6);
 }
 
-#[test]
-fn product_of_two_and_three() {
+fn of_two_and_three(n: usize) {
     let p = Product::new([numeric_normal().unwrap(), numeric_normal().unwrap()]).unwrap();
     let normal = numeric_normal().unwrap();
-    check_points(
-        &p,
-        &array([&normal, &normal]),
-        &[&normal, &normal],
-        &|x| [x[0], x[1]],
-        100_000,
-        1e-12,
-    );
+    check_points(&p, &array([&normal, &normal]), &[&normal, &normal], &|x| [x[0], x[1]], n, 1e-12);
 
     let (steps, sine) = (steps().unwrap(), sine().unwrap());
     let unit = Uniform::unit();
     let coordinates: [&dyn InverseCdf; 3] = [&steps, &sine, &unit];
     let p = Product::new(coordinates).unwrap();
-    check_points(&p, &array(coordinates), &coordinates, &|x| [x[0], x[1], x[2]], 100_000, 1e-12);
+    check_points(&p, &array(coordinates), &coordinates, &|x| [x[0], x[1], x[2]], n, 1e-12);
 }
 
-#[test]
-fn product_of_run_time_length() {
+fn of_run_time_length(n: usize) {
     let coordinates: Vec<Box<dyn InverseCdf>> =
         vec![Box::new(Uniform::unit()), Box::new(sine().unwrap()), Box::new(steps().unwrap())];
     let p = ProductVec::new(coordinates).unwrap();
     let marginals: [&dyn InverseCdf; 3] = [&Uniform::unit(), &sine().unwrap(), &steps().unwrap()];
-    check_points(&p, &vector(&marginals), &marginals, &|x| x.to_vec(), 100_000, 1e-12);
+    check_points(&p, &vector(&marginals), &marginals, &|x| x.to_vec(), n, 1e-12);
 }
 
 #[test]
@@ -124,17 +140,16 @@ fn product_in_a_thousand_dimensions() {
     let side = Uniform::new(0.0, 10.0).unwrap();
     let p = ProductVec::new(vec![side; 1000]).unwrap();
     let marginals = vec![&side as &dyn InverseCdf; 1000];
-    check_points(&p, &vector(&marginals), &marginals, &|x| x.to_vec(), 1000, 0.0);
+    check_points(&p, &vector(&marginals), &marginals, &|x| x.to_vec(), 400, 0.0);
 }
 
-#[test]
-fn uniform_box() {
+fn of_boxes(n: usize) {
     let p = UniformBox::uniform([0.0, -1e9, 1e-9], [1e-300, 1e9, 2e-9]).unwrap();
     let [a, b, c] = *p.coordinates();
-    check_points(&p, &array([&a, &b, &c]), &[&a, &b, &c], &|x| [x[0], x[1], x[2]], 100_000, 1e-12);
+    check_points(&p, &array([&a, &b, &c]), &[&a, &b, &c], &|x| [x[0], x[1], x[2]], n, 1e-12);
     let p = ProductVec::uniform(&[0.0, -1.0], &[1.0, 3.0]).unwrap();
     let (a, b) = (p.coordinates()[0], p.coordinates()[1]);
-    check_points(&p, &vector(&[&a, &b]), &[&a, &b], &|x| x.to_vec(), 100_000, 1e-12);
+    check_points(&p, &vector(&[&a, &b]), &[&a, &b], &|x| x.to_vec(), n, 1e-12);
 }
 
 /// A mixture on the line: its steps are those of a table.

@@ -70,25 +70,25 @@ fn options() -> Options {
     strict().integral(1e-9)
 }
 
-#[test]
-fn laws() {
-    for seed in 0..12 {
+fn laws_of(seeds: std::ops::Range<u64>, n: usize) {
+    for seed in seeds {
         for (name, p) in techniques(seed) {
             println!("{name}");
-            check(&p, 2000, &options());
+            check(&p, n, &options());
         }
     }
 }
 
 #[test]
+fn laws() {
+    laws_of(0..5, 2000);
+}
+
+#[test]
 #[ignore = "1e6 samples: run in release"]
 fn battery() {
-    for seed in 100..103 {
-        for (name, p) in techniques(seed) {
-            println!("{name}");
-            check(&p, 1_000_000, &options());
-        }
-    }
+    laws_of(5..12, 2000);
+    laws_of(100..103, 1_000_000);
 }
 
 /// An image keeps the laws to the rounding of its argument: the ends, and every sample.

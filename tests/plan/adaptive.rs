@@ -70,8 +70,7 @@ fn check(families: &[(&str, f64)], samples: u64, seeds: usize, least: f64) {
 #[test]
 fn the_same_bits_on_any_threads() {
     let f = |x: &f64| x.exp();
-    for adaptive in
-        [Adaptive::new(20_000).unwrap(), Adaptive::new(20_000).unwrap().without_controls()]
+    for adaptive in [Adaptive::new(8000).unwrap(), Adaptive::new(8000).unwrap().without_controls()]
     {
         let run = |threads| {
             let adapted =

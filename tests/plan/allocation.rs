@@ -267,10 +267,10 @@ fn a_technique_that_is_alone_somewhere_keeps_samples() {
         }
         let plan = pilot.plan().unwrap();
         let estimator = plan.estimator(&techniques).unwrap();
-        let target = mis::Target::new().samples(1 << 16).unwrap();
+        let target = mis::Target::new().samples(1 << 14).unwrap();
         let report = mis::Run::new(target).execute(&estimator, &f, 5).unwrap();
         let error = report.standard_error().unwrap();
-        assert!((report.value() - 1.01).abs() < 5.0 * error && error < 0.01, "{report}");
+        assert!((report.value() - 1.01).abs() < 5.0 * error && error < 0.02, "{report}");
     }
 }
 

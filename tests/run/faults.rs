@@ -294,10 +294,10 @@ fn an_integrand_that_blocks_is_waited_for_and_no_more() {
             // When the brake is on, how many were evaluated.
             let evaluated = AtomicU64::new(u64::MAX);
             let over = AtomicBool::new(false);
-            let limit = Duration::from_millis(1500);
+            let limit = Duration::from_millis(600);
             let began = std::time::Instant::now();
             let blocking = |x: &f64| {
-                if count.fetch_add(1, Ordering::Relaxed) == 30_000 {
+                if count.fetch_add(1, Ordering::Relaxed) == 10_000 {
                     if late {
                         std::thread::sleep(limit.saturating_sub(began.elapsed()));
                     } else {

@@ -60,7 +60,8 @@ fn check_densities(seeds: u64, faults: &[(f64, f64, u64)]) {
 #[test]
 fn samplers_and_pdfs_that_differ_are_suspect() {
     // Of long runs, a part of the samples is looked at.
-    check_densities(2, &[(1.05, 1.0, 1_500_000), (1.0, 1.05, 45_000)]);
+    check_densities(1, &[(1.1, 1.0, 400_000)]);
+    check_densities(2, &[(1.0, 1.05, 45_000)]);
 }
 
 #[test]

@@ -13,7 +13,7 @@ pub(crate) struct Size {
     pub(crate) samples: u64,
 }
 
-pub(crate) const QUICK: Size = Size { seeds: 400, samples: 100 };
+pub(crate) const QUICK: Size = Size { seeds: 200, samples: 100 };
 pub(crate) const FULL: Size = Size { seeds: 2000, samples: 1000 };
 
 /// Values whose components can be listed.

@@ -121,7 +121,7 @@ fn compensated(size: Size, battery: &mut Battery) {
             integral: &[0.75 - 0.5 * 0.75 * 0.75 + 0.75],
             techniques: &[&compensated, &unit],
             covered: false,
-            spread: 2.0,
+            spread: 2.2,
         },
     );
 }

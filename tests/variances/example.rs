@@ -259,5 +259,5 @@ pub(crate) struct Limits {
 }
 
 /// Example A's sin² x has a kurtosis of 14 000, and so have constant weights with it.
-pub(crate) const QUICK: Limits = Limits { error: 0.01, estimates: 6.5e5, heavy: 0.2 };
+pub(crate) const QUICK: Limits = Limits { error: 0.02, estimates: 3.25e5, heavy: 0.3 };
 pub(crate) const FULL: Limits = Limits { error: 0.02, estimates: f64::INFINITY, heavy: 0.0 };

@@ -133,8 +133,8 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
         Ok(Self { rays, ..self })
     }
 
-    /// How many samples of the lights and of the BSDF there are for each ray. A number of 0 leaves a
-    /// technique out; the BSDF alone does not see point lights less, for they are added exactly.
+    /// How many samples of the lights and of the BSDF there are for each ray; 0 leaves them out. Point
+    /// lights are added exactly, whatever the numbers.
     ///
     /// # Errors
     ///
@@ -192,18 +192,18 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
             let rule = "constant weights need one technique for all lights";
             return Err(ArgumentError::new(OWNER, "light_choice", self.light_choice, rule).into());
         }
-        let worker = Worker::new(self, seed);
+        let worker = Worker::new(self, seed)?;
         let strips = Strip::all(self.columns.clone(), self.rows.clone(), self.rays);
         let done = AtomicU64::new(0);
-        let work = |strip: &Strip| {
-            let pixels = worker.strip(strip)?;
+        let work = |memory: &mut _, strip: &Strip| {
+            let pixels = worker.strip(strip, memory)?;
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             if let Some(watch) = self.watch {
                 watch(done as f64 / strips.len() as f64);
             }
             Ok(pixels)
         };
-        let done = self.run(&strips, work)?;
+        let done = self.run(&strips, || worker.memory(), work)?;
         let width = self.columns.len();
         let mut picture: Vec<Pixel<V>> = vec![Pixel::empty(); width * self.rows.len()];
         for (strip, pixels) in strips.iter().zip(done) {
@@ -217,34 +217,40 @@ impl<'a, V: Spectrum> Renderer<'a, V> {
     }
 
     #[cfg(feature = "parallel")]
-    fn run<T: Send>(
+    fn run<M, T: Send>(
         &self,
         strips: &[Strip],
-        work: impl Fn(&Strip) -> Result<T, RenderError> + Sync + Send,
+        memory: impl Fn() -> M + Sync + Send,
+        work: impl Fn(&mut M, &Strip) -> Result<T, RenderError> + Sync + Send,
     ) -> Result<Vec<T>, RenderError> {
         use rayon::prelude::*;
         match self.threads {
-            None => strips.par_iter().map(work).collect(),
-            Some(1) => strips.iter().map(work).collect(),
+            None => strips.par_iter().map_init(memory, work).collect(),
+            Some(1) => {
+                let mut memory = memory();
+                strips.iter().map(|strip| work(&mut memory, strip)).collect()
+            }
             Some(threads) => {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
                 let pool = pool.map_err(|error| RenderError::Threads {
                     threads,
                     message: error.to_string(),
                 })?;
-                pool.install(|| strips.par_iter().map(work).collect())
+                pool.install(|| strips.par_iter().map_init(memory, work).collect())
             }
         }
     }
 
     #[cfg(not(feature = "parallel"))]
     #[expect(clippy::unused_self, reason = "with the feature, it tells the number of threads")]
-    fn run<T>(
+    fn run<M, T>(
         &self,
         strips: &[Strip],
-        work: impl Fn(&Strip) -> Result<T, RenderError>,
+        memory: impl Fn() -> M,
+        work: impl Fn(&mut M, &Strip) -> Result<T, RenderError>,
     ) -> Result<Vec<T>, RenderError> {
-        strips.iter().map(work).collect()
+        let mut memory = memory();
+        strips.iter().map(|strip| work(&mut memory, strip)).collect()
     }
 
     /// The probabilities of the lights, where all are one technique.

@@ -2,13 +2,15 @@
 
 use std::f64::consts::TAU;
 
+use crate::discrete::Discrete;
 use crate::integrand::Integrand;
 use crate::lighting::bsdf::Bsdf;
 use crate::lighting::direction::Direction;
 use crate::lighting::incident::Incident;
 use crate::lighting::spectrum::Spectrum;
 use crate::lighting::surface::Surface;
-use crate::technique::{Mixture, Technique, canonical, sin_cos_of_turn};
+use crate::technique::{Technique, canonical, sin_cos_of_turn};
+use crate::vectors::vectorised;
 
 /// A ray of the camera, by its number among those of a tile, and a direction of light at its end.
 ///
@@ -39,11 +41,10 @@ pub(super) enum Densities {
 pub(super) enum End<'a, V> {
     /// Radiance as it is emitted; it does not depend on a direction of light.
     Emitted(V),
-    /// A surface, and what arrives there.
+    /// A surface.
     Surface {
         surface: Surface,
         bsdf: &'a dyn Bsdf<Value = V>,
-        incident: Incident<V>,
         /// What the point lights add.
         exact: V,
     },
@@ -66,6 +67,8 @@ pub(super) struct Rays<'a, V> {
     /// The pixels that they belong to, by their places in the tile.
     pub(super) places: Vec<usize>,
     pub(super) ends: Vec<End<'a, V>>,
+    /// What arrives at each end, if it is a surface; and, beyond, memory of earlier tiles.
+    incidents: Vec<Incident<V>>,
     /// The probabilities of the lights.
     probabilities: &'a [f64],
     densities: Densities,
@@ -89,32 +92,46 @@ enum Own {
 }
 
 impl<'a, V: Spectrum> Rays<'a, V> {
-    /// Room for so many rays.
-    pub(super) fn new(rays: usize, probabilities: &'a [f64], densities: Densities) -> Self {
-        let (numbers, places) = (Vec::with_capacity(rays), Vec::with_capacity(rays));
-        Self { numbers, places, ends: Vec::with_capacity(rays), probabilities, densities }
+    /// No ray yet.
+    pub(super) fn new(probabilities: &'a [f64], densities: Densities) -> Self {
+        let (numbers, places, ends) = (Vec::new(), Vec::new(), Vec::new());
+        Self { numbers, places, ends, incidents: Vec::new(), probabilities, densities }
+    }
+
+    /// Forgets all rays.
+    pub(super) fn clear(&mut self) {
+        self.numbers.clear();
+        self.places.clear();
+        self.ends.clear();
+    }
+
+    /// Room for what arrives at the next end.
+    pub(super) fn incident(&mut self) -> &mut Incident<V> {
+        let next = self.ends.len();
+        if next >= self.incidents.len() {
+            self.incidents.resize_with(next + 1, Incident::nothing);
+        }
+        &mut self.incidents[next]
     }
 
     pub(super) fn push(&mut self, number: u64, place: usize, end: End<'a, V>) {
+        self.incident();
         self.numbers.push(number);
         self.places.push(place);
         self.ends.push(end);
     }
 
-    /// The ray that a canonical number stands for.
-    fn ray(&self, xi: f64) -> usize {
-        index(xi, self.ends.len())
-    }
-
     /// The path of this ray and the direction `w`, which its `own` technique has sampled.
+    #[inline(always)]
     fn path(&self, ray: usize, w: Direction, own: Own) -> Path<V> {
-        let (surface, bsdf, incident) = match &self.ends[ray] {
+        let (surface, bsdf) = match &self.ends[ray] {
             End::Emitted(radiance) => {
                 let value = radiance.scaled(UNIFORM);
                 return Path { ray, w, value, lights: UNIFORM, bsdf: UNIFORM };
             }
-            End::Surface { surface, bsdf, incident, .. } => (surface, *bsdf, incident),
+            End::Surface { surface, bsdf, .. } => (surface, *bsdf),
         };
+        let incident = &self.incidents[ray];
         let mut lights = 0.0;
         let visible = incident.visible(&w, |light| {
             lights += self.probabilities[light.number] * light.directions().density();
@@ -155,10 +172,11 @@ fn mean_pdf<V: Spectrum>(bsdf: &dyn Bsdf<Value = V>, surface: &Surface, w: &Dire
 }
 
 /// Which of so many a canonical number stands for.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "so it is defined")]
+#[inline(always)]
 fn index(xi: f64, of: usize) -> usize {
-    // Rounding down is meant; the last one takes what rounds up to their number. There are fewer than
-    // 2^31 of anything here, which is the fastest to convert.
-    ((xi * f64::from(of as i32)) as i32 as usize).min(of - 1)
+    // Rounding down is meant; the last one takes what rounds up to their number.
+    ((xi * of as f64) as usize).min(of - 1)
 }
 
 /// The radiance along a path. Its integral over rays and directions, with the mean over the rays and
@@ -173,68 +191,86 @@ impl<V: Spectrum> Integrand<Path<V>> for Radiance {
     }
 }
 
-/// A ray, then a direction towards one light: uniform in its solid angle, or in all directions where it
-/// has none. Canonical numbers: the ray, and two for the direction.
-#[derive(Clone, Copy)]
-pub(super) struct ToLight<'a, V> {
-    pub(super) rays: &'a Rays<'a, V>,
-    pub(super) light: usize,
+/// What a technique samples a direction from, at the end of a ray.
+#[derive(Debug, Clone)]
+pub(super) enum Target {
+    /// One light: uniform in its solid angle, or in all directions where it has none.
+    Light(usize),
+    /// Any of the lights, with these probabilities.
+    Lights(Discrete),
+    /// Any lobe of the surface, all equally likely.
+    Bsdf,
 }
 
-impl<V: Spectrum> Technique for ToLight<'_, V> {
-    type Point = Path<V>;
+/// The technique that samples a ray, then a direction.
+///
+/// Canonical numbers: the light or the lobe, the ray, and two for the direction.
+pub(super) struct Towards<'a, V> {
+    pub(super) rays: &'a Rays<'a, V>,
+    pub(super) target: Target,
+}
 
-    fn dimension(&self) -> usize {
-        3
+/// How many samples of one light or lobe at one ray are made at a time.
+const RUN: usize = 32;
+
+impl<V: Spectrum> Towards<'_, V> {
+    /// The light or the lobe that a canonical number picks.
+    #[inline(always)]
+    fn pick(&self, end: &End<'_, V>, xi: f64) -> usize {
+        match (&self.target, end) {
+            (Target::Light(light), _) => *light,
+            (Target::Lights(probabilities), _) => probabilities.select(xi),
+            (Target::Bsdf, End::Surface { bsdf, .. }) => match bsdf.lobes() {
+                1 => 0,
+                lobes => index(xi, lobes),
+            },
+            (Target::Bsdf, End::Emitted(_)) => 0,
+        }
     }
 
-    fn sample(&self, xi: &[f64]) -> Path<V> {
-        let (ray, xi) = xi.split_first().unwrap_or((&f64::NAN, &[]));
-        let ray = self.rays.ray(*ray);
-        let w = match &self.rays.ends[ray] {
-            End::Surface { incident, .. } if let Some(light) = incident.numbered(self.light) => {
-                light.sample(xi)
+    /// Directions from what was picked.
+    #[inline(always)]
+    fn directions(&self, ray: usize, pick: usize, xi: &[[f64; 2]], ws: &mut [Direction]) {
+        if let End::Surface { surface, bsdf, .. } = &self.rays.ends[ray] {
+            if let Target::Bsdf = self.target {
+                return bsdf.sample_batch(pick, surface, xi, ws);
             }
-            _ => anywhere(xi),
+            if let Some(light) = self.rays.incidents[ray].numbered(pick) {
+                return light.directions().fill(xi, ws);
+            }
+        }
+        ws.iter_mut().zip(xi).for_each(|(w, xi)| *w = anywhere(xi));
+    }
+
+    #[inline(always)]
+    fn fill(&self, xi: &[f64], xs: &mut Vec<Path<V>>) {
+        let own = match self.target {
+            Target::Light(_) | Target::Lights(_) => Own::Lights,
+            Target::Bsdf => Own::Bsdf,
         };
-        self.rays.path(ray, w, Own::Lights)
-    }
-
-    fn pdf(&self, path: &Path<V>) -> f64 {
-        match &self.rays.ends[path.ray] {
-            End::Surface { incident, .. } => {
-                incident.numbered(self.light).map_or(UNIFORM, |light| light.pdf(&path.w))
+        let (mut numbers, mut ws) = ([[0.0; 2]; RUN], [Direction::from_unit(glam::DVec3::Z); RUN]);
+        let mut rows = xi.as_chunks::<4>().0;
+        while let Some([first, number, ..]) = rows.first() {
+            // Samples at one ray, of one light or lobe, follow each other.
+            let ray = index(*number, self.rays.ends.len());
+            let end = &self.rays.ends[ray];
+            let pick = self.pick(end, *first);
+            let mut run = 0;
+            for ([select, other, u, v], numbers) in rows.iter().zip(&mut numbers) {
+                if run > 0 && (other != number || self.pick(end, *select) != pick) {
+                    break;
+                }
+                *numbers = [*u, *v];
+                run += 1;
             }
-            End::Emitted(_) => UNIFORM,
+            self.directions(ray, pick, &numbers[..run], &mut ws[..run]);
+            xs.extend(ws[..run].iter().map(|w| self.rays.path(ray, *w, own)));
+            rows = &rows[run..];
         }
     }
 }
 
-/// A ray, then a direction towards any of the lights. Canonical numbers: the light, the ray, and two for
-/// the direction.
-pub(super) struct ToLights<'a, V>(pub(super) Mixture<ToLight<'a, V>>);
-
-impl<V: Spectrum> Technique for ToLights<'_, V> {
-    type Point = Path<V>;
-
-    fn dimension(&self) -> usize {
-        self.0.dimension()
-    }
-
-    fn sample(&self, xi: &[f64]) -> Path<V> {
-        self.0.sample(xi)
-    }
-
-    fn pdf(&self, path: &Path<V>) -> f64 {
-        path.lights
-    }
-}
-
-/// A ray, then a direction from the lobes of its surface, all equally likely. Canonical numbers: the
-/// lobe, the ray, and two for the direction.
-pub(super) struct FromBsdf<'a, V>(pub(super) &'a Rays<'a, V>);
-
-impl<V: Spectrum> Technique for FromBsdf<'_, V> {
+impl<V: Spectrum> Technique for Towards<'_, V> {
     type Point = Path<V>;
 
     fn dimension(&self) -> usize {
@@ -242,21 +278,38 @@ impl<V: Spectrum> Technique for FromBsdf<'_, V> {
     }
 
     fn sample(&self, xi: &[f64]) -> Path<V> {
-        let (lobe, xi) = xi.split_first().unwrap_or((&f64::NAN, &[]));
-        let (ray, own) = xi.split_first().unwrap_or((&f64::NAN, &[]));
-        let ray = self.0.ray(*ray);
-        let w = match &self.0.ends[ray] {
-            End::Surface { surface, bsdf, .. } => {
-                let lobes = bsdf.lobes();
-                let lobe = if lobes == 1 { 0 } else { index(*lobe, lobes) };
-                bsdf.sample(lobe, surface, own)
-            }
-            End::Emitted(_) => anywhere(own),
-        };
-        self.0.path(ray, w, Own::Bsdf)
+        let mut xs = Vec::with_capacity(1);
+        self.fill(xi, &mut xs);
+        xs.pop()
+            .unwrap_or_else(|| self.rays.path(0, Direction::from_unit(glam::DVec3::NAN), Own::Bsdf))
+    }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<Path<V>>) {
+        xs.clear();
+        vectorised(
+            #[inline(always)]
+            || self.fill(xi, xs),
+        );
     }
 
     fn pdf(&self, path: &Path<V>) -> f64 {
-        path.bsdf
+        match (&self.target, &self.rays.ends[path.ray]) {
+            (Target::Lights(_), _) => path.lights,
+            (Target::Bsdf, _) => path.bsdf,
+            (Target::Light(light), End::Surface { .. }) => {
+                let light = self.rays.incidents[path.ray].numbered(*light);
+                light.map_or(UNIFORM, |light| light.pdf(&path.w))
+            }
+            (Target::Light(_), End::Emitted(_)) => UNIFORM,
+        }
+    }
+
+    fn pdf_batch(&self, xs: &[Path<V>], out: &mut [f64]) {
+        let paths = out.iter_mut().zip(xs);
+        match self.target {
+            Target::Lights(_) => paths.for_each(|(p, path)| *p = path.lights),
+            Target::Bsdf => paths.for_each(|(p, path)| *p = path.bsdf),
+            Target::Light(_) => paths.for_each(|(p, path)| *p = self.pdf(path)),
+        }
     }
 }

@@ -1,22 +1,24 @@
 //! Tiles: the rays of a few pixels, sampled together.
 
 use super::numbers::Numbers;
-use super::path::{Densities, End, FromBsdf, Path, Radiance, Rays, ToLight, ToLights};
+use super::path::{Densities, End, Path, Radiance, Rays, Target, Towards};
 use super::picture::Pixel;
 use super::{Combination, LightChoice, RenderError, Renderer};
+use crate::discrete::Discrete;
+use crate::estimator::{Buffers, InspectWith};
 use crate::lighting::reflected::ReflectedRadiance;
 use crate::lighting::scene::{Seen, View};
 use crate::lighting::spectrum::Spectrum;
 use crate::points::{PointSource, Random};
-use crate::technique::{Mixture, Technique};
+use crate::technique::Technique;
 use crate::weighting::{Constant, Maximum, Power};
-use crate::{Estimate, EstimateError, Estimator, MultiSample, OneSample, OptimalMis, Sample};
+use crate::{Estimate, EstimateError, MultiSample, OneSample, OptimalMis, Sample};
 
 /// How many rays are sampled together: what is known of their ends fits the second-level cache.
 const RAYS: u64 = 128;
 
 /// The most rays of a pixel in a strip; optimal weights are fitted to so many.
-const MOST_RAYS: u64 = 4096;
+const MOST_RAYS: usize = 4096;
 
 /// About so many rays are a worker's task.
 const TASK: u64 = 2048;
@@ -47,8 +49,8 @@ impl Strip {
         for row in rows {
             for column in columns.clone().step_by(wide as usize) {
                 let pixels = wide.min(columns.end - column);
-                for first in (0..rays).step_by(MOST_RAYS as usize) {
-                    let rays = MOST_RAYS.min(rays - first);
+                for first in (0..rays).step_by(MOST_RAYS) {
+                    let rays = (MOST_RAYS as u64).min(rays - first);
                     strips.push(Self { row, column, pixels, first, rays });
                 }
             }
@@ -62,8 +64,16 @@ pub(super) struct Worker<'a, V> {
     renderer: &'a Renderer<'a, V>,
     view: View<'a, V>,
     random: Random,
-    /// The probabilities of the lights, where they are one technique.
-    probabilities: Vec<f64>,
+    /// The lights, where they are one technique.
+    lights: Discrete,
+}
+
+/// What a worker needs for a tile, used again for the next.
+pub(super) struct Memory<'a, V> {
+    /// Positions on the film.
+    film: Vec<f64>,
+    rays: Rays<'a, V>,
+    buffers: Buffers<Path<V>, V>,
 }
 
 /// What the samples at one ray add up to.
@@ -74,10 +84,16 @@ struct Sum<V> {
 }
 
 impl<'a, V: Spectrum> Worker<'a, V> {
-    pub(super) fn new(renderer: &'a Renderer<'a, V>, seed: u64) -> Self {
+    pub(super) fn new(renderer: &'a Renderer<'a, V>, seed: u64) -> Result<Self, RenderError> {
         let view = renderer.scene.view_from(renderer.camera.eye());
         let probabilities = renderer.light_probabilities();
-        Self { renderer, view, random: Random::new(seed), probabilities }
+        let lights = Discrete::new("Renderer", "light_choice", &probabilities)?;
+        Ok(Self { renderer, view, random: Random::new(seed), lights })
+    }
+
+    pub(super) fn memory(&self) -> Memory<'_, V> {
+        let rays = Rays::new(self.lights.probabilities(), self.densities());
+        Memory { film: Vec::new(), rays, buffers: Buffers::new() }
     }
 
     /// The densities that the estimator needs.
@@ -96,7 +112,11 @@ impl<'a, V: Spectrum> Worker<'a, V> {
     }
 
     /// The pixels of a strip.
-    pub(super) fn strip(&self, strip: &Strip) -> Result<Vec<Pixel<V>>, RenderError> {
+    pub(super) fn strip<'w>(
+        &'w self,
+        strip: &Strip,
+        Memory { film, rays, buffers }: &mut Memory<'w, V>,
+    ) -> Result<Vec<Pixel<V>>, RenderError> {
         let mut pixels = vec![Pixel::empty(); strip.pixels as usize];
         // Some pixels at a time, or some rays of one.
         let (wide, deep) = if self.renderer.combination == Combination::Optimal {
@@ -105,29 +125,36 @@ impl<'a, V: Spectrum> Worker<'a, V> {
             (usize::try_from(RAYS / strip.rays).unwrap_or(1).max(1), RAYS.min(strip.rays))
         };
         for (pixels, column) in pixels.chunks_mut(wide).zip((strip.column..).step_by(wide)) {
-            for first in (0..strip.rays).step_by(deep as usize) {
-                let rays = deep.min(strip.rays - first);
-                let rays = Strip { column, first: strip.first + first, rays, ..*strip };
-                let rays = self.rays(&rays, pixels)?;
+            let mut left = Strip { column, ..*strip };
+            while left.rays > 0 {
+                let tile = Strip { rays: deep.min(left.rays), ..left };
+                (left.first, left.rays) = (tile.first + tile.rays, left.rays - tile.rays);
+                self.look(&tile, film, rays, pixels)?;
                 if !rays.ends.is_empty() {
-                    self.sample(&rays, pixels)?;
+                    self.sample(rays, pixels, buffers)?;
                 }
             }
         }
         Ok(pixels)
     }
 
-    /// What the rays of a strip meet. Those that end at a light are added to their pixels, unless weights
-    /// are fitted to all of them.
-    fn rays(&self, strip: &Strip, pixels: &mut [Pixel<V>]) -> Result<Rays<'_, V>, RenderError> {
+    /// Makes `rays` those of a strip, with what they meet. Those that end at a light are added to their
+    /// pixels, unless weights are fitted to all of them.
+    fn look<'w>(
+        &'w self,
+        strip: &Strip,
+        film: &mut Vec<f64>,
+        rays: &mut Rays<'w, V>,
+        pixels: &mut [Pixel<V>],
+    ) -> Result<(), RenderError> {
         let Renderer { scene, camera, .. } = *self.renderer;
         let first = u64::from(strip.row) * u64::from(camera.width()) + u64::from(strip.column);
         let first = first * self.renderer.rays + strip.first;
         let per_pixel = usize::try_from(strip.rays).unwrap_or(usize::MAX);
-        let mut film = vec![0.0; 2 * per_pixel * pixels.len()];
+        film.resize(2 * per_pixel * pixels.len(), 0.0);
         // Where there are several pixels, these are all their rays.
-        self.random.fill(FILM, first, 2, &mut film).map_err(EstimateError::from)?;
-        let mut rays = Rays::new(film.len() / 2, &self.probabilities, self.densities());
+        self.random.fill(FILM, first, 2, film).map_err(EstimateError::from)?;
+        rays.clear();
         let positions = film.as_chunks::<2>().0.iter().enumerate();
         for (([x, y], place), number) in positions.map(|(at, xy)| (xy, at / per_pixel)).zip(first..)
         {
@@ -140,32 +167,37 @@ impl<'a, V: Spectrum> Worker<'a, V> {
                 }
                 Seen::Emitted(radiance) => End::Emitted(radiance),
                 Seen::Surface { surface, bsdf, number } => {
-                    let incident = scene.seen_from_surface(surface.position(), Some(number))?;
-                    let exact =
-                        ReflectedRadiance::new(&incident, surface, bsdf).from_point_lights();
-                    End::Surface { surface, bsdf, incident, exact }
+                    let incident = rays.incident();
+                    scene.see_from(surface.position(), Some(number), incident)?;
+                    let exact = ReflectedRadiance::new(incident, surface, bsdf).from_point_lights();
+                    End::Surface { surface, bsdf, exact }
                 }
             };
             rays.push(number, place, end);
         }
-        Ok(rays)
+        Ok(())
     }
 
     /// Adds the radiances of rays to their pixels.
-    fn sample(&self, rays: &Rays<'_, V>, pixels: &mut [Pixel<V>]) -> Result<(), RenderError> {
+    fn sample(
+        &self,
+        rays: &Rays<'_, V>,
+        pixels: &mut [Pixel<V>],
+        buffers: &mut Buffers<Path<V>, V>,
+    ) -> Result<(), RenderError> {
         let Renderer { light_choice, samples: [of_lights, of_bsdf], .. } = *self.renderer;
-        let lights = self.probabilities.iter().zip(0..);
-        let each: Vec<_> = lights.map(|(p, light)| (ToLight { rays, light }, *p)).collect();
-        let (any, bsdf) = (ToLights(Mixture::new(each.clone())?), FromBsdf(rays));
-        let mut techniques: Vec<(&dyn Technique<Point = Path<V>>, u64)> = Vec::new();
-        match light_choice {
+        let lights = match light_choice {
             LightChoice::Each => {
-                techniques.extend(each.iter().map(|(light, _)| (light as _, of_lights)));
+                (0..self.lights.probabilities().len()).map(Target::Light).collect()
             }
-            LightChoice::Uniform | LightChoice::Power => techniques.push((&any, of_lights)),
-        }
-        let lights = techniques.len();
+            LightChoice::Uniform | LightChoice::Power => vec![Target::Lights(self.lights.clone())],
+        };
+        let lights: Vec<_> = lights.into_iter().map(|target| Towards { rays, target }).collect();
+        let bsdf = Towards { rays, target: Target::Bsdf };
+        let mut techniques: Vec<(&dyn Technique<Point = Path<V>>, u64)> = Vec::new();
+        techniques.extend(lights.iter().map(|light| (light as _, of_lights)));
         techniques.push((&bsdf, of_bsdf));
+        let lights = lights.len();
         let per_ray: Vec<u64> = techniques.iter().map(|(_, n)| *n).collect();
         let of_a_ray: u64 = per_ray.iter().sum();
         let n = rays.ends.len() as u64;
@@ -188,26 +220,30 @@ impl<'a, V: Spectrum> Worker<'a, V> {
         let f = &Radiance;
         match self.renderer.combination {
             Combination::Constant => {
-                multi()?.weighting(Constant::equal())?.inspect(f, &numbers, add)?
+                multi()?.weighting(Constant::equal())?.inspect_with(f, &numbers, buffers, add)?
             }
-            Combination::Balance => multi()?.inspect(f, &numbers, add)?,
+            Combination::Balance => multi()?.inspect_with(f, &numbers, buffers, add)?,
             Combination::Power => {
-                multi()?.weighting(Power::squared())?.inspect(f, &numbers, add)?
+                multi()?.weighting(Power::squared())?.inspect_with(f, &numbers, buffers, add)?
             }
-            Combination::Maximum => multi()?.weighting(Maximum)?.inspect(f, &numbers, add)?,
+            Combination::Maximum => {
+                multi()?.weighting(Maximum)?.inspect_with(f, &numbers, buffers, add)?
+            }
             Combination::OneSample => {
                 let probability = |m: u64| m as f64 / of_a_ray as f64;
                 let selection =
                     techniques.iter().map(|(technique, m)| (*technique, probability(*m)));
                 let selection: Vec<(&dyn Technique<Point = Path<V>>, f64)> = selection.collect();
                 (numbers.per_ray, numbers.selects) = (vec![of_a_ray], true);
-                OneSample::new(&selection, n * of_a_ray)?.inspect(f, &numbers, add)?
+                OneSample::new(&selection, n * of_a_ray)?.inspect_with(f, &numbers, buffers, add)?
             }
             Combination::Optimal => {
                 numbers.replicates = replicates(n);
                 let optimal = OptimalMis::new(&all)?.estimate_from(f, &numbers)?;
                 let estimated = estimated(n, optimal.estimate(), &rays.ends);
-                pixels.iter_mut().for_each(|pixel| *pixel = pixel.merge(&estimated));
+                for pixel in pixels {
+                    *pixel = pixel.merge(&estimated);
+                }
                 return Ok(());
             }
         };
