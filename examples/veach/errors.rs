@@ -64,7 +64,9 @@ impl Reference {
 
 /// The standard error of each channel; infinite where there is none.
 pub(crate) fn error_of(pixel: &Pixel<Rgb>) -> Rgb {
-    pixel.standard_error().unwrap_or([f64::INFINITY; 3])
+    // Where all samples are 0, the place is dark, or they say nothing; its neighbours do.
+    let unknown = if grey(&pixel.value()) == 0.0 { 0.0 } else { f64::INFINITY };
+    pixel.standard_error().unwrap_or([unknown; 3])
 }
 
 /// Relative errors over a picture.

@@ -6,6 +6,8 @@ use crate::lighting::spectrum::Spectrum;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pixel<V> {
     pub(super) rays: u64,
+    /// Whether any of them met a surface.
+    pub(super) sampled: bool,
     pub(super) mean: V,
     /// The sum of the squared deviations of single rays from the mean.
     pub(super) squares: V,
@@ -15,13 +17,18 @@ pub struct Pixel<V> {
 
 impl<V: Spectrum> Pixel<V> {
     pub(super) fn empty() -> Self {
-        Self { rays: 0, mean: V::zero(), squares: V::zero(), parts: [0.0; 2] }
+        Self { rays: 0, sampled: false, mean: V::zero(), squares: V::zero(), parts: [0.0; 2] }
     }
 
-    /// Adds a ray.
+    /// Adds a ray that sees a light, or nothing.
+    pub(super) fn push_emitted(&mut self, radiance: &V) {
+        *self = self.merge(&Self { rays: 1, mean: *radiance, ..Self::empty() });
+    }
+
+    /// Adds a ray that sees a surface.
     pub(super) fn push(&mut self, radiance: &V, parts: [f64; 2]) {
-        let one = Self { rays: 1, mean: *radiance, squares: V::zero(), parts };
-        *self = self.merge(&one);
+        *self =
+            self.merge(&Self { rays: 1, sampled: true, mean: *radiance, parts, ..Self::empty() });
     }
 
     /// This and the rays of `other`.
@@ -40,7 +47,7 @@ impl<V: Spectrum> Pixel<V> {
         let between = delta.scaled_product(&delta, n * part);
         let squares = self.squares.plus(&other.squares).plus(&between);
         let parts = [0, 1].map(|k| self.parts[k] + other.parts[k]);
-        Self { rays, mean, squares, parts }
+        Self { rays, sampled: self.sampled || other.sampled, mean, squares, parts }
     }
 
     /// The mean radiance over the pixel.
@@ -49,12 +56,14 @@ impl<V: Spectrum> Pixel<V> {
         self.mean
     }
 
-    /// The standard error of each channel; `None` of a single ray.
+    /// The standard error of each channel; `None` where it cannot be told: from a single ray, and where
+    /// surfaces were seen, but every sample was 0.
     #[must_use]
     pub fn standard_error(&self) -> Option<V> {
         let n = self.rays as f64;
-        let error = |c| (self.squares.times(c, 1.0) / (n * (n - 1.0))).sqrt();
-        (self.rays > 1).then(|| V::each(error))
+        let error = V::each(|c| (self.squares.times(c, 1.0) / (n * (n - 1.0))).sqrt());
+        let dark = self.sampled && self.mean.total() == 0.0;
+        (self.rays > 1 && !dark && error.is_finite()).then_some(error)
     }
 
     /// How many rays of the camera there were.
@@ -118,15 +127,22 @@ impl<V: Spectrum> Picture<V> {
         sum.scaled(1.0 / self.pixels.len() as f64)
     }
 
-    /// The standard error of [`mean`](Picture::mean); `None` of pixels with a single ray.
+    /// The standard error of [`mean`](Picture::mean), to which pixels add nothing whose samples are all
+    /// 0; `None` where no error can be told, and of pixels with a single ray.
     #[must_use]
     pub fn standard_error_of_mean(&self) -> Option<V> {
-        let squares = self.pixels.iter().map(|pixel| {
-            let error = pixel.standard_error()?;
-            Some(error.scaled_product(&error, 1.0))
-        });
-        let sum = squares.reduce(|a, b| Some(a?.plus(&b?)))??;
+        let (mut sum, mut known) = (V::zero(), false);
+        for pixel in &self.pixels {
+            match pixel.standard_error() {
+                Some(error) => {
+                    sum = sum.plus(&error.scaled_product(&error, 1.0));
+                    known = true;
+                }
+                None if pixel.rays > 1 && pixel.mean.total() == 0.0 => (),
+                None => return None,
+            }
+        }
         let n = self.pixels.len() as f64;
-        Some(V::each(|c| sum.times(c, 1.0).sqrt() / n))
+        known.then(|| V::each(|c| sum.times(c, 1.0).sqrt() / n))
     }
 }

@@ -162,7 +162,7 @@ impl<'a, V: Spectrum> Worker<'a, V> {
             let end = match self.view.along(&camera.direction(column + x, f64::from(strip.row) + y))
             {
                 Seen::Emitted(radiance) if self.renderer.combination != Combination::Optimal => {
-                    pixels[place].push(&radiance, [0.0; 2]);
+                    pixels[place].push_emitted(&radiance);
                     continue;
                 }
                 Seen::Emitted(radiance) => End::Emitted(radiance),
@@ -265,10 +265,16 @@ fn estimated<V: Spectrum>(rays: u64, estimate: &Estimate<V>, ends: &[End<'_, V>]
     // How the two errors go together is not known: at worst, they add up.
     let squares = V::each(|c| {
         let of_exact = (exact.squares.times(c, 1.0) / (n * (n - 1.0))).sqrt();
-        let error = estimate.error_of(c).unwrap_or(f64::INFINITY) + of_exact;
+        let error = match estimate.error_of(c) {
+            Some(error) => error + of_exact,
+            // A channel that is 0 in all samples; where all channels are, the pixel knows.
+            None if estimate.value_of(c) == 0.0 => of_exact,
+            None => f64::INFINITY,
+        };
         if rays > 1 { error * error * n * (n - 1.0) } else { 0.0 }
     });
-    Pixel { rays, mean: estimate.value().plus(&exact.mean), squares, parts: [0.0; 2] }
+    let sampled = ends.iter().any(|end| matches!(end, End::Surface { .. }));
+    Pixel { rays, sampled, mean: estimate.value().plus(&exact.mean), squares, parts: [0.0; 2] }
 }
 
 /// The fewest groups of equal size that so many rays make, but at least eight: the error is told from
