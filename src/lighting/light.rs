@@ -169,6 +169,10 @@ impl<V: Spectrum> Technique for SeenLight<V> {
         self.directions.sample(xi)
     }
 
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<Direction>) {
+        self.directions.sample_batch(xi, xs);
+    }
+
     fn pdf(&self, w: &Direction) -> f64 {
         self.directions.pdf(w)
     }

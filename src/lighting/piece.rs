@@ -142,7 +142,7 @@ fn sin_cos(angle: f64) -> (f64, f64) {
 /// The solid angle of x × y at the height h, from two triangles, each by the formula of
 /// A. Van Oosterom and J. Strackee, *The Solid Angle of a Plane Triangle*, IEEE Transactions on
 /// Biomedical Engineering 30(2), 1983.
-fn solid_angle(x: Interval, y: Interval, h: f64) -> f64 {
+pub(super) fn solid_angle(x: Interval, y: Interval, h: f64) -> f64 {
     let [a, b, c, d] = [(x.low, y.low), (x.high, y.low), (x.high, y.high), (x.low, y.high)]
         .map(|(x, y)| DVec3::new(x, y, h));
     let determinant = h * x.width * y.width;

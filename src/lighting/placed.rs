@@ -22,8 +22,8 @@ pub(super) struct Placed {
     unit: f64,
     /// The distance of the plane.
     pub(super) height: f64,
-    pub(super) x: Interval,
-    pub(super) y: Interval,
+    x: Interval,
+    y: Interval,
     /// Normals, inwards, of the planes through the point and an edge; their lengths are 1 to a factor
     /// of √2.
     planes: [DVec3; 4],
@@ -69,6 +69,11 @@ impl Placed {
         // Not where the whole rectangle is within the rounding of the horizon.
         let lowest = rounding.max(8.0 * f64::EPSILON * placed.nearest()).max(LOWEST);
         if height > lowest { Ok(placed) } else { Err(InPlane) }
+    }
+
+    /// The parts of the rectangle whose coordinates do not change sign, mirrored to be positive.
+    pub(super) fn parts(&self) -> impl Iterator<Item = (Interval, Interval)> {
+        self.x.same_signed().flat_map(|x| self.y.same_signed().map(move |y| (x, y)))
     }
 
     fn nearest(&self) -> f64 {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::direction::Direction;
-use super::piece::Piece;
+use super::piece::{Piece, solid_angle};
 use super::placed::{InPlane, Placed};
 use crate::error::ArgumentError;
 use crate::technique::{Technique, canonical};
@@ -153,7 +153,6 @@ impl Rectangle {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphericalRectangle {
     placed: Placed,
-    pieces: Vec<Piece>,
     solid_angle: f64,
     /// 1 over the solid angle.
     density: f64,
@@ -164,15 +163,12 @@ impl SphericalRectangle {
         let invalid = |rule: &'static str| ArgumentError::new(OWNER, "point", point, rule);
         let placed = Placed::new(rectangle, point)
             .map_err(|InPlane| invalid("it must be finite and outside the rectangle's plane"))?;
-        let mut pieces = Vec::with_capacity(4);
-        for x in placed.x.same_signed() {
-            pieces.extend(placed.y.same_signed().map(|y| Piece::new(x, y, placed.height)));
-        }
-        let solid_angle: f64 = pieces.iter().map(Piece::solid_angle).sum();
+        let parts = placed.parts().map(|(x, y)| solid_angle(x, y, placed.height));
+        let solid_angle: f64 = parts.sum();
         if !solid_angle.is_normal() {
             return Err(invalid("the rectangle's solid angle must be within the range of f64"));
         }
-        Ok(Self { placed, pieces, solid_angle, density: solid_angle.recip() })
+        Ok(Self { placed, solid_angle, density: solid_angle.recip() })
     }
 
     /// The solid angle Ω in steradians.
@@ -197,6 +193,39 @@ impl SphericalRectangle {
     pub fn hit(&self, w: &Direction) -> Option<f64> {
         self.placed.hit(w)
     }
+
+    /// The map from canonical numbers to directions. It is made for every batch of samples: most points
+    /// that see a rectangle have use for its density alone.
+    pub(super) fn map(&self) -> Map<'_> {
+        let mut pieces = [None; 4];
+        for (piece, (x, y)) in pieces.iter_mut().zip(self.placed.parts()) {
+            *piece = Some(Piece::new(x, y, self.placed.height));
+        }
+        Map { rectangle: self, pieces }
+    }
+}
+
+/// The pieces of a rectangle's solid angle.
+pub(super) struct Map<'a> {
+    rectangle: &'a SphericalRectangle,
+    pieces: [Option<Piece>; 4],
+}
+
+impl Map<'_> {
+    #[inline(always)]
+    pub(super) fn sample(&self, xi: &[f64]) -> Direction {
+        let mut remaining = canonical(xi, 0) * self.rectangle.solid_angle;
+        let mut pieces = self.pieces.iter().flatten().peekable();
+        while let Some(piece) = pieces.next() {
+            let omega = piece.solid_angle();
+            if remaining < omega || pieces.peek().is_none() {
+                let local = piece.point((remaining / omega).clamp(0.0, 1.0), canonical(xi, 1));
+                return self.rectangle.placed.direction(local);
+            }
+            remaining -= omega;
+        }
+        Direction::from_unit(DVec3::NAN)
+    }
 }
 
 impl Technique for SphericalRectangle {
@@ -206,22 +235,17 @@ impl Technique for SphericalRectangle {
         2
     }
 
-    #[inline(always)]
     fn sample(&self, xi: &[f64]) -> Direction {
-        let mut remaining = canonical(xi, 0) * self.solid_angle;
-        let mut pieces = self.pieces.iter().peekable();
-        while let Some(piece) = pieces.next() {
-            let omega = piece.solid_angle();
-            if remaining < omega || pieces.peek().is_none() {
-                let local = piece.point((remaining / omega).clamp(0.0, 1.0), canonical(xi, 1));
-                return self.placed.direction(local);
-            }
-            remaining -= omega;
-        }
-        Direction::from_unit(DVec3::NAN)
+        self.map().sample(xi)
+    }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<Direction>) {
+        let map = self.map();
+        xs.clear();
+        xs.extend(xi.chunks_exact(2).map(|xi| map.sample(xi)));
     }
 
     fn pdf(&self, w: &Direction) -> f64 {
-        if self.placed.contains(w) { self.density } else { 0.0 }
+        if self.contains(w) { self.density } else { 0.0 }
     }
 }

@@ -117,7 +117,10 @@ impl SolidAngle {
         let pairs = ws.iter_mut().zip(xi);
         match self {
             Self::Sphere(cone) => pairs.for_each(|(w, xi)| *w = cone.sample(xi)),
-            Self::Rectangle(rectangle) => pairs.for_each(|(w, xi)| *w = rectangle.sample(xi)),
+            Self::Rectangle(rectangle) => {
+                let map = rectangle.map();
+                pairs.for_each(|(w, xi)| *w = map.sample(xi));
+            }
         }
     }
 
@@ -162,6 +165,13 @@ impl Technique for SolidAngle {
         match self {
             Self::Sphere(cone) => cone.sample(xi),
             Self::Rectangle(rectangle) => rectangle.sample(xi),
+        }
+    }
+
+    fn sample_batch(&self, xi: &[f64], xs: &mut Vec<Direction>) {
+        match self {
+            Self::Sphere(cone) => cone.sample_batch(xi, xs),
+            Self::Rectangle(rectangle) => rectangle.sample_batch(xi, xs),
         }
     }
 
