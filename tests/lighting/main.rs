@@ -12,6 +12,6 @@ mod ggx;
 mod interface;
 mod laws;
 mod occlusion;
-mod pixels;
+mod render;
 mod support;
 mod veach;

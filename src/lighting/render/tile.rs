@@ -197,9 +197,14 @@ impl<'a, V: Spectrum> Worker<'a, V> {
             Combination::Maximum => multi()?.weighting(Maximum)?.inspect(f, &numbers, add)?,
             Combination::OneSample => {
                 let probability = |m: u64| m as f64 / of_a_ray as f64;
-                let selection =
-                    techniques.iter().map(|(technique, m)| (*technique, probability(*m)));
-                let selection: Vec<(&dyn Technique<Point = Path<V>>, f64)> = selection.collect();
+                let alone: Vec<_> = each.iter().map(|(light, _)| Alone(*light)).collect();
+                let mut selection: Vec<(&dyn Technique<Point = Path<V>>, f64)> =
+                    techniques.iter().map(|(t, m)| (*t, probability(*m))).collect();
+                if light_choice == LightChoice::Each {
+                    for ((technique, _), light) in selection.iter_mut().zip(&alone) {
+                        *technique = light;
+                    }
+                }
                 (numbers.per_ray, numbers.selects) = (vec![of_a_ray], true);
                 OneSample::new(&selection, n * of_a_ray)?.inspect(f, &numbers, add)?
             }
@@ -219,6 +224,26 @@ impl<'a, V: Spectrum> Worker<'a, V> {
     }
 }
 
+/// A technique of one light that leaves out the canonical number that selects a light or a lobe in the
+/// others: where samples select their technique, the ray is at the same place in the rows of all.
+struct Alone<'a, V>(ToLight<'a, V>);
+
+impl<V: Spectrum> Technique for Alone<'_, V> {
+    type Point = Path<V>;
+
+    fn dimension(&self) -> usize {
+        1 + self.0.dimension()
+    }
+
+    fn sample(&self, xi: &[f64]) -> Path<V> {
+        self.0.sample(xi.get(1..).unwrap_or(&[]))
+    }
+
+    fn pdf(&self, path: &Path<V>) -> f64 {
+        self.0.pdf(path)
+    }
+}
+
 /// The pixel of all `rays` together, which `estimate` is of but for the point lights.
 fn estimated<V: Spectrum>(rays: u64, estimate: &Estimate<V>, ends: &[End<'_, V>]) -> Pixel<V> {
     let mut exact = Pixel::empty();
@@ -229,7 +254,8 @@ fn estimated<V: Spectrum>(rays: u64, estimate: &Estimate<V>, ends: &[End<'_, V>]
     // How the two errors go together is not known: at worst, they add up.
     let squares = V::each(|c| {
         let of_exact = (exact.squares.times(c, 1.0) / (n * (n - 1.0))).sqrt();
-        let error = estimate.error_of(c).unwrap_or(f64::INFINITY) + of_exact;
+        // Unknown only where all is 0, as it is for single rays.
+        let error = estimate.error_of(c).unwrap_or(0.0) + of_exact;
         if rays > 1 { error * error * n * (n - 1.0) } else { 0.0 }
     });
     Pixel { rays, mean: estimate.value().plus(&exact.mean), squares, parts: [0.0; 2] }
