@@ -1,8 +1,11 @@
 //! The renderer: pixels, strategies, errors, closed forms, degenerate scenes.
 
 mod arguments;
+mod closed_forms;
+mod errors;
 mod pixels;
 mod reproducible;
+mod strategies;
 
 use mis::lighting::{Camera, Combination, DVec3, LightChoice, Picture, Renderer, Scene, Spectrum};
 
