@@ -43,7 +43,8 @@ fn ensemble(scene: &Scene<f64>, strategy: &Strategy, rays: u64, seeds: u64) -> E
         let (spread, told) = (Spread::of(&values), Spread::of(&squares));
         ratio += 0.25 * spread.variance / told.mean;
         // Of a variance, and of what it is divided by.
-        error2 += ((spread.kurtosis - 1.0) / spread.count + (told.error() / told.mean).powi(2)) / 16.0;
+        error2 +=
+            ((spread.kurtosis - 1.0) / spread.count + (told.error() / told.mean).powi(2)) / 16.0;
         let within = |(v, s): (&f64, &f64)| (v - spread.mean).abs() < quantile * s.sqrt();
         covered += values.iter().zip(&squares).filter(|pair| within(*pair)).count() as f64;
     }
