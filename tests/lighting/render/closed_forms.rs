@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_1_PI;
 
-use super::{CHOICES, COMBINATIONS, Strategy, from_above, only, strategies};
+use super::{CHOICES, COMBINATIONS, Strategy, from_above, only, spot, strategies};
 use crate::support::{assert_close, sphere_light, white};
 use mis::lighting::{
     Camera, Combination, DVec3, Lambert, Light, LightChoice, ModifiedPhong, PointLight, Rectangle,
@@ -11,12 +11,6 @@ use mis::lighting::{
 
 fn floor() -> Rectangle {
     Rectangle::new(DVec3::ZERO, 3.0 * DVec3::X, 3.0 * DVec3::Y).unwrap()
-}
-
-/// One pixel that shows the point `target` from `eye`, as good as nothing beside it.
-fn spot(eye: DVec3, target: DVec3) -> Camera {
-    let up = (target - eye).any_orthogonal_vector();
-    Camera::new(eye, target, up, 1e-9, 1, 1).unwrap()
 }
 
 #[test]

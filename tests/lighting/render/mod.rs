@@ -73,6 +73,12 @@ pub(crate) fn from_above(size: u32) -> Camera {
     Camera::new(eye, DVec3::ZERO, DVec3::Y, 2.0 * 0.1_f64.atan(), size, size).unwrap()
 }
 
+/// One pixel that shows the point `target` from `eye`, as good as nothing beside it.
+pub(crate) fn spot(eye: DVec3, target: DVec3) -> Camera {
+    let up = (target - eye).any_orthogonal_vector();
+    Camera::new(eye, target, up, 1e-9, 1, 1).unwrap()
+}
+
 /// A single grey pixel: value and standard error.
 pub(crate) fn only(picture: &Picture<f64>) -> (f64, f64) {
     assert_eq!(picture.pixels().len(), 1);
