@@ -3,6 +3,7 @@
 mod arguments;
 mod closed_forms;
 mod errors;
+mod extremes;
 mod pixels;
 mod reproducible;
 mod strategies;
