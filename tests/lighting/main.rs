@@ -16,6 +16,7 @@ mod ggx;
 mod interface;
 mod laws;
 mod occlusion;
+mod point_lights;
 mod render;
 mod support;
 mod veach;

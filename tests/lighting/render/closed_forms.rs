@@ -5,8 +5,8 @@ use std::f64::consts::FRAC_1_PI;
 use super::{CHOICES, COMBINATIONS, Strategy, from_above, only, spot, strategies};
 use crate::support::{assert_close, sphere_light, white};
 use mis::lighting::{
-    Camera, Combination, DVec3, Lambert, Light, LightChoice, ModifiedPhong, PointLight, Rectangle,
-    Scene, Sphere,
+    Camera, Combination, DVec3, Lambert, Light, LightChoice, ModifiedPhong, Pixel, PointLight,
+    Rectangle, Scene, Sphere,
 };
 
 fn floor() -> Rectangle {
@@ -164,7 +164,7 @@ fn the_share_of_the_lights() {
     let shares = |combination, choice, samples| {
         let strategy = Strategy { combination, choice, samples };
         let picture = strategy.renderer(&scene, &camera, 64).render(1).unwrap();
-        picture.pixels().iter().map(|pixel| pixel.light_share()).collect::<Vec<_>>()
+        picture.pixels().iter().map(Pixel::light_share).collect::<Vec<_>>()
     };
     for combination in COMBINATIONS {
         for choice in CHOICES {

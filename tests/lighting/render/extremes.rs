@@ -128,9 +128,12 @@ fn radiances_60_orders_of_magnitude_apart() {
     }
 }
 
+/// A scene with a floor.
+type OnFloor = dyn Fn(Scene<f64>) -> Scene<f64>;
+
 #[test]
 fn every_number_is_finite() {
-    let lobes: [Box<dyn Fn(Scene<f64>) -> Scene<f64>>; 6] = [
+    let lobes: [Box<OnFloor>; 6] = [
         Box::new(|scene| scene.surface(floor(), white())),
         Box::new(|scene| scene.surface(floor(), GgxConductor::new(1.0, 1e-8).unwrap())),
         Box::new(|scene| scene.surface(floor(), GgxConductor::new(1.0, 1.0).unwrap())),

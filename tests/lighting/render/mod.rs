@@ -2,6 +2,7 @@
 
 mod arguments;
 mod closed_forms;
+mod degenerate;
 mod errors;
 mod extremes;
 mod pixels;

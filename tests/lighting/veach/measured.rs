@@ -94,3 +94,19 @@ fn measured_variances_agree() {
 fn measured_variances_agree_in_all_cells() {
     assert_eq!(compare(1 << 20, 0.1), [16; 9]);
 }
+
+/// Optimal weights are fitted whatever the number of rays is, with small divisors or none.
+#[test]
+fn optimal_weights_of_any_number_of_rays() {
+    let (plate, light) = (0, 3);
+    let nodes = Cell::new(plate, light).nodes(PLATES[plate].2);
+    for rays in [256, 257, 502, 509, 1018, 1021, 4093, 4099, 5000] {
+        let (value, error) = measure(plate, light, &nodes, Way::Optimal, rays);
+        let [integral, .., balance, _, _, _, optimal] = TABLE[plate][light];
+        let z = (value / integral - 1.0) / (optimal / rays as f64).sqrt();
+        // Eight groups tell the variance to a factor of a few.
+        let variance = rays as f64 * (error / value).powi(2);
+        assert!(z.abs() < 5.0 && variance < 4.0 * optimal, "{rays}: {z}, {variance}");
+        assert!(variance < 0.05 * balance, "{rays}: {variance}");
+    }
+}
