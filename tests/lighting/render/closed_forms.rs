@@ -191,3 +191,77 @@ fn the_share_of_the_lights() {
         assert!((share.unwrap() - 0.5).abs() < 0.1, "{share:?}");
     }
 }
+
+#[test]
+fn a_light_that_is_not_seen_adds_nothing() {
+    // In the plane of the floor, and one that faces away: they take samples of the lights all the same.
+    let centre = DVec3::new(1.0, 0.5, 2.0);
+    let beside = DVec3::new(7.0, 0.0, 0.0);
+    let level = Rectangle::new(beside, 2.0 * DVec3::X, 2.0 * DVec3::Y).unwrap();
+    let away = Rectangle::new(beside + 3.0 * DVec3::Z, 2.0 * DVec3::X, 2.0 * DVec3::Y).unwrap();
+    let scene = Scene::new()
+        .light(Light::new(level, 1.0).unwrap())
+        .light(sphere_light(centre, 1.5, 3.0))
+        .light(Light::one_sided(away, 1.0).unwrap())
+        .surface(floor(), Lambert::new(0.4).unwrap());
+    let camera = spot(DVec3::new(0.5, -4.0, 3.0), DVec3::ZERO);
+    let exact = 0.4 * 3.0 * 2.25 / centre.length_squared() * 2.0 / centre.length();
+    for strategy in strategies() {
+        let (value, error) = only(&strategy.renderer(&scene, &camera, 1000).render(3).unwrap());
+        let what = format!("{strategy:?}: {value} ± {error} for {exact}");
+        assert!((value - exact).abs() < 5.0 * error && error < 0.06 * exact, "{what}");
+    }
+}
+
+#[test]
+fn as_many_samples_as_lights_take_each_once() {
+    // Of specks, every sample is worth the same; which of them it is of makes all the difference.
+    let r = 1e-6;
+    let speck = |x: f64, radiance| sphere_light(DVec3::new(x, 0.0, 2.0), r, radiance / (r * r));
+    let scene = Scene::new()
+        .light(speck(1.0, 1.0))
+        .light(speck(-1.0, 20.0))
+        .light(speck(0.0, 300.0))
+        .surface(floor(), white());
+    let camera = spot(DVec3::new(0.0, -4.0, 1.0), DVec3::ZERO);
+    let exact = 21.0 * 2.0 / 5f64.powf(1.5) + 300.0 / 4.0;
+    let of = |samples, choice| {
+        let strategy = Strategy { combination: Combination::Balance, choice, samples };
+        only(&strategy.renderer(&scene, &camera, 64).render(1).unwrap())
+    };
+    for (samples, choice) in
+        [(3, LightChoice::Uniform), (6, LightChoice::Uniform), (1, LightChoice::Each)]
+    {
+        let (value, error) = of([samples, 0], choice);
+        assert_close(value, exact, 1e-8);
+        assert!(error < 1e-8 * exact, "{samples} {choice:?}: {error}");
+    }
+    // Of another number, a part is left to chance.
+    let (value, error) = of([2, 0], LightChoice::Uniform);
+    assert!(error > 0.02 * exact && (value - exact).abs() < 5.0 * error, "{value} ± {error}");
+}
+
+#[test]
+fn as_many_samples_as_lobes_take_each_once() {
+    // Both lobes are alike: a single one of half the albedo each. In a furnace of which they see all,
+    // each sample is worth the same. One of them alone sees half as much.
+    let half = |albedo| Lambert::new(albedo).unwrap();
+    let furnace = Scene::new().light(sphere_light(DVec3::ZERO, 50.0, 1.0));
+    let scene = furnace.clone().surface(floor(), (half(0.2), half(0.4)));
+    let picture = Strategy::BSDF.renderer(&scene, &from_above(2), 20).render(1).unwrap();
+    assert!(picture.pixels().iter().all(|pixel| (pixel.value() - 0.6).abs() < 1e-15));
+    // Where they differ, two samples of them vary less than twice as many single ones.
+    let glossy = ModifiedPhong::new(0.5, 1e4).unwrap();
+    let lamp = sphere_light(DVec3::new(0.0, 0.0, 7.0), 0.5, 1.0);
+    let scene = Scene::new().light(lamp).surface(floor(), (half(0.0), glossy));
+    let camera = spot(5.0 * DVec3::Z, DVec3::ZERO);
+    // As good as all of the glossy lobe meets the lamp, the other adds nothing: V is I², or 0.
+    let of = |samples, rays| {
+        let strategy = Strategy { samples: [0, samples], ..Strategy::BSDF };
+        let (value, error) = only(&strategy.renderer(&scene, &camera, rays).render(1).unwrap());
+        assert!((value - 0.5).abs() < 5.0 * error + 1e-3, "{value} ± {error}");
+        error * (rays as f64).sqrt() / value
+    };
+    let (one, two) = (of(1, 400), of(2, 400));
+    assert!((0.9..1.1).contains(&one) && two < 0.05, "{one} {two}");
+}
