@@ -1,10 +1,11 @@
 //! Standard errors are what they say.
 
-use super::{Strategy, from_above, strategies};
+use super::{COMBINATIONS, Strategy, from_above, strategies};
 use crate::ensemble::{Spread, Z};
 use crate::support::sphere_light;
 use mis::lighting::{
-    Combination, DVec3, Lambert, LightChoice, ModifiedPhong, PointLight, Rectangle, Scene, Sphere,
+    Camera, Combination, DVec3, Lambert, LightChoice, ModifiedPhong, PointLight, Rectangle, Scene,
+    Sphere,
 };
 
 /// Two lights, two lobes, and the edge of a shadow in every pixel.
@@ -27,9 +28,13 @@ struct Ensemble {
     coverage: f64,
 }
 
-fn ensemble(scene: &Scene<f64>, strategy: &Strategy, rays: u64, seeds: u64) -> Ensemble {
-    let camera = from_above(2);
-    let renderer = strategy.renderer(scene, &camera, rays);
+fn ensemble(
+    (scene, camera): (&Scene<f64>, &Camera),
+    strategy: &Strategy,
+    rays: u64,
+    seeds: u64,
+) -> Ensemble {
+    let renderer = strategy.renderer(scene, camera, rays);
     let pictures: Vec<_> = (0..seeds).map(|seed| renderer.render(seed).unwrap()).collect();
     // Of 95 %; Student's t where eight groups of rays tell the error.
     let quantile = if strategy.combination == Combination::Optimal { 2.365 } else { 1.960 };
@@ -54,7 +59,7 @@ fn ensemble(scene: &Scene<f64>, strategy: &Strategy, rays: u64, seeds: u64) -> E
 /// The ratio is 1 to within 4.42 of its standard errors, and that is small; the interval covers about
 /// as often as it says: less often where few rays carry the value.
 fn assert_told(strategy: &Strategy, rays: u64, seeds: u64, coverage: f64) {
-    let told = ensemble(&scene(), strategy, rays, seeds);
+    let told = ensemble((&scene(), &from_above(2)), strategy, rays, seeds);
     let (ratio, error) = told.ratio;
     let what = format!("{strategy:?}, {rays} rays: {ratio:.3} ± {error:.3}, {:.3}", told.coverage);
     assert!((ratio - 1.0).abs() < Z * error && error < 1.0 / (seeds as f64).sqrt(), "{what}");
@@ -84,6 +89,24 @@ fn errors_of_every_strategy_are_those_of_an_ensemble() {
     }
 }
 
+/// Rays of a pixel differ by more than their samples do: a ray's samples of both techniques go together.
+#[test]
+fn errors_of_pixels_with_an_edge() {
+    // The edge of the floor in the middle of all pixels.
+    let floor = Rectangle::new(DVec3::ZERO, 0.3 * DVec3::X, 2.0 * DVec3::Y).unwrap();
+    let scene = Scene::new()
+        .light(sphere_light(DVec3::new(0.0, 0.0, 8.0), 2.0, 1.0))
+        .surface(floor, Lambert::new(0.5).unwrap());
+    let eye = DVec3::new(0.3, 0.0, 5.0);
+    let camera = Camera::new(eye, eye - DVec3::Z, DVec3::X, 0.01, 4, 1).unwrap();
+    for combination in COMBINATIONS {
+        let strategy = Strategy { combination, choice: LightChoice::Uniform, samples: [4, 4] };
+        let told = ensemble((&scene, &camera), &strategy, 32, 100);
+        let (ratio, error) = told.ratio;
+        assert!((ratio - 1.0).abs() < Z * error && error < 0.1, "{combination:?}: {ratio}");
+    }
+}
+
 /// Errors of what is sampled and of what is exact are added, as if they went together.
 #[test]
 fn optimal_errors_with_point_lights_are_not_too_small() {
@@ -91,6 +114,7 @@ fn optimal_errors_with_point_lights_are_not_too_small() {
     let scene = scene().point_light(lamp);
     let (combination, choice) = (Combination::Optimal, LightChoice::Power);
     let strategy = Strategy { combination, choice, samples: [1, 1] };
-    let Ensemble { ratio: (ratio, error), coverage } = ensemble(&scene, &strategy, 32, 100);
+    let Ensemble { ratio: (ratio, error), coverage } =
+        ensemble((&scene, &from_above(2)), &strategy, 32, 100);
     assert!((0.25..1.0 + Z * error).contains(&ratio) && coverage > 0.93, "{ratio} {coverage}");
 }
