@@ -46,7 +46,11 @@ fn the_weight_of_a_sample_is_its_shadowing() {
             let surface = seen_at(cos);
             let (lobe, bsdf) =
                 (GgxLobe::new(&surface, alpha).unwrap(), GgxConductor::new(0.9, alpha).unwrap());
-            for xi in canonical_numbers(7, 400).chunks_exact(2) {
+            let mut xis = canonical_numbers(7, 400);
+            for u in [0.0, 1e-300, 1.0 - 1e-15, 1.0 - f64::EPSILON / 2.0, 1.0] {
+                xis.extend((0..=20).flat_map(|k| [u, f64::from(k) / 20.0]));
+            }
+            for xi in xis.chunks_exact(2) {
                 let w = lobe.sample(xi);
                 let (pdf, value) = (lobe.pdf(&w), bsdf.value(&surface, &w));
                 assert!(pdf > 0.0 && pdf.is_finite(), "{alpha} {cos} {xi:?}: {pdf}");

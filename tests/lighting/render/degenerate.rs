@@ -156,3 +156,30 @@ fn more_samples_or_lights_than_rays() {
         assert!(picture.mean().is_finite() && picture.mean() >= 0.0, "{strategy:?}");
     }
 }
+
+#[test]
+fn surfaces_in_one_plane_do_not_shadow_each_other() {
+    // Tiles of a tilted plane that overlap, from far away: digits of the point are lost along the ray.
+    let normal = DVec3::new(0.3, -0.5, 0.8).normalize();
+    let (x, y) = normal.any_orthonormal_pair();
+    let tile = |at: f64| Rectangle::new(at * x, 2.0 * x, 2.0 * y).unwrap();
+    // A speck in the middle above lights all points of a small view alike.
+    let r = 1e-6;
+    let scene = Scene::new()
+        .light(sphere_light(2.0 * normal, r, 1.0 / (r * r)))
+        .surface(tile(-1.0), white())
+        .surface(tile(1.0), white());
+    for distance in [10.0, 1e4, 1e7] {
+        for eye in [normal, (normal + x).normalize(), (normal + 3.0 * y).normalize()] {
+            let camera = Camera::new(distance * eye, DVec3::ZERO, DVec3::Y, 1e-4 / distance, 4, 4);
+            let camera = camera.unwrap();
+            let strategy = Strategy { samples: [1, 0], ..Strategy::BSDF };
+            let picture = strategy.renderer(&scene, &camera, 32).render(1).unwrap();
+            for pixel in picture.pixels() {
+                let (value, error) = (pixel.value(), pixel.standard_error().unwrap());
+                let all = (value - 0.25).abs() < 1e-7 && error < 1e-7;
+                assert!(all, "{distance}: {value} ± {error}");
+            }
+        }
+    }
+}
