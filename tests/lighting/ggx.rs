@@ -68,6 +68,20 @@ fn the_weight_of_a_sample_is_its_shadowing() {
 }
 
 #[test]
+fn samples_of_the_steepest_facets_have_a_density() {
+    // The last canonical number gives a facet edge on, up to rounding on either side.
+    for (k, cos) in canonical_numbers(8, 400).into_iter().enumerate() {
+        let surface = seen_at(cos);
+        for alpha in [1e-9, 1e-3, 0.3, 1.0] {
+            let lobe = GgxLobe::new(&surface, alpha).unwrap();
+            let w = lobe.sample(&[1.0, k as f64 / 400.0]);
+            let pdf = lobe.pdf(&w);
+            assert!(pdf > 0.0 && pdf.is_finite(), "{alpha} {cos}: {pdf}");
+        }
+    }
+}
+
+#[test]
 fn light_and_eye_may_change_places() {
     let normal = direction(0.1, 0.2, 0.9);
     let (a, b) = (direction(1.0, 0.3, 0.8), direction(-0.5, 0.4, 0.6));
