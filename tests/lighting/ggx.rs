@@ -54,6 +54,8 @@ fn the_weight_of_a_sample_is_its_shadowing() {
                 let w = lobe.sample(xi);
                 let (pdf, value) = (lobe.pdf(&w), bsdf.value(&surface, &w));
                 assert!(pdf > 0.0 && pdf.is_finite(), "{alpha} {cos} {xi:?}: {pdf}");
+                let length = w.vector().length();
+                assert!((length - 1.0).abs() < 1e-15, "{alpha} {cos} {xi:?}: {length:e}");
                 let z = w.cos(surface.normal());
                 if z <= 0.0 {
                     assert_eq!(value, 0.0);
