@@ -60,17 +60,13 @@ impl Microfacets {
         // In the space where the surface is a hemisphere, mirrors send light from the cap of directions
         // z >= -v.z: z = 1 - u (1 + v.z). In z + v.z and 1 + z, nothing cancels.
         let stretch = DVec3::new(self.alpha, self.alpha, 1.0);
-        let stretched = outgoing * stretch;
-        let length = stretched.length();
-        let v = stretched / length;
+        let v = (outgoing * stretch).normalize();
         let (u, height) = (canonical(xi, 0), 1.0 + v.z);
         let up = (1.0 - u) * height;
         let sin = (u * (v.x * v.x + v.y * v.y + up * height)).sqrt();
         let (sin_phi, cos_phi) = sin_cos_of_turn(canonical(xi, 1));
-        let half = DVec3::new(sin * cos_phi + v.x, sin * sin_phi + v.y, up);
-        // v·half is half of |half|², which is positive.
-        let m = half * stretch;
-        (length * half.length_squared() / m.length_squared()) * m - outgoing
+        let m = DVec3::new(sin * cos_phi + v.x, sin * sin_phi + v.y, up) * stretch;
+        (2.0 * outgoing.dot(m) / m.length_squared()) * m - outgoing
     }
 
     /// 2 cos θ / G1 = cos θ + √(cos² θ + α² sin² θ).
