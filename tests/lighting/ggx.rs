@@ -72,13 +72,22 @@ fn the_weight_of_a_sample_is_its_shadowing() {
 #[test]
 fn samples_of_the_steepest_facets_have_a_density() {
     // The last canonical number gives a facet edge on, up to rounding on either side.
-    for (k, cos) in canonical_numbers(8, 400).into_iter().enumerate() {
-        let surface = seen_at(cos);
+    for (k, x) in canonical_numbers(8, 600).into_iter().enumerate() {
+        // From above, and from grazing angles of all orders, over level and tilted surfaces.
+        let cos = if k % 2 == 0 { x } else { 10f64.powf(-15.0 * x) };
+        let normal = direction(0.3 * x, -0.5 + x, 0.8).vector();
+        let sideways = normal.any_orthonormal_vector();
+        let eye = cos * normal + ((1.0 - cos) * (1.0 + cos)).sqrt() * sideways;
+        let (normal, eye) = (Direction::new(normal).unwrap(), Direction::new(eye).unwrap());
+        let Ok(tilted) = Surface::new(DVec3::ZERO, normal, eye) else { continue };
+        let surface = if k % 3 == 0 { seen_at(cos) } else { tilted };
         for alpha in [1e-9, 1e-3, 0.3, 1.0] {
             let lobe = GgxLobe::new(&surface, alpha).unwrap();
-            let w = lobe.sample(&[1.0, k as f64 / 400.0]);
-            let pdf = lobe.pdf(&w);
-            assert!(pdf > 0.0 && pdf.is_finite(), "{alpha} {cos}: {pdf}");
+            for u in [0.0, 0.5, 1.0 - 1e-9, 1.0 - 1e-14, 1.0] {
+                let w = lobe.sample(&[u, k as f64 / 600.0]);
+                let pdf = lobe.pdf(&w);
+                assert!(pdf > 0.0 && pdf.is_finite(), "{alpha} {x} {u}: {pdf}");
+            }
         }
     }
 }
