@@ -142,7 +142,7 @@ impl Cell {
 
     /// Nodes in the light's cone, dense towards its axis, where the lobe has its own.
     fn nodes(&self, exponent: f64) -> Vec<Node> {
-        const SECTORS: usize = 8;
+        const SECTORS: usize = 4;
         let (f, light, lobe) = (self.integrand(), self.light(), self.lobe());
         // The maximum heuristic has a step where the densities are the same.
         let mut ends: Vec<f64> = (0..44).map(|k| 2f64.powi(-k)).collect();
