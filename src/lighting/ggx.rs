@@ -45,7 +45,7 @@ impl Microfacets {
         let (sin2, cos2) = (m.x * m.x + m.y * m.y, m.z * m.z);
         let length2 = sin2 + cos2;
         // The rim, where own samples may be, is as wide as a direction is exact.
-        let rim = 16.0 * f64::EPSILON * f64::EPSILON * length2;
+        let rim = 16.0 * f64::EPSILON * f64::EPSILON;
         if length2 > 0.0 && (m.z > 0.0 || cos2 < rim) {
             let k = self.sharpness * sin2 + cos2;
             let d = FRAC_1_PI * self.sharpness * length2 * length2;
@@ -58,13 +58,15 @@ impl Microfacets {
     /// One of these directions.
     #[inline(always)]
     fn sample(self, outgoing: DVec3, xi: &[f64]) -> DVec3 {
-        // In the space where the surface is a hemisphere, mirrors send light from a cap of directions.
+        // In the space where the surface is a hemisphere, mirrors send light from the cap of directions
+        // z >= -v.z: z = 1 - u (1 + v.z). In z + v.z and 1 + z, nothing cancels.
         let stretch = DVec3::new(self.alpha, self.alpha, 1.0);
         let v = (outgoing * stretch).normalize();
-        let z = 1.0 - canonical(xi, 0) * (1.0 + v.z);
-        let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+        let (u, height) = (canonical(xi, 0), 1.0 + v.z);
+        let up = (1.0 - u) * height;
+        let sin = (u * (v.x * v.x + v.y * v.y + up * height)).sqrt();
         let (sin_phi, cos_phi) = sin_cos_of_turn(canonical(xi, 1));
-        let m = DVec3::new(sin * cos_phi + v.x, sin * sin_phi + v.y, z + v.z) * stretch;
+        let m = DVec3::new(sin * cos_phi + v.x, sin * sin_phi + v.y, up) * stretch;
         (2.0 * outgoing.dot(m) / m.length_squared()) * m - outgoing
     }
 

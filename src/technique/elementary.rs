@@ -210,6 +210,77 @@ mod tests {
         assert_eq!(tan_pi(0.0)[0], 0.0);
     }
 
+    /// sin 2πt and cos 2πt by libm, of what is left of t without the nearest quarters of a turn: 2π t itself
+    /// would lose digits.
+    fn reference(t: f64) -> (f64, f64) {
+        let quarters = (4.0 * t).round();
+        let (s, c) = (2.0 * PI * (t - 0.25 * quarters)).sin_cos();
+        match quarters.rem_euclid(4.0) {
+            0.0 => (s, c),
+            1.0 => (c, -s),
+            2.0 => (-s, -c),
+            _ => (-c, s),
+        }
+    }
+
+    #[test]
+    fn turns_to_a_few_ulp() {
+        for (a, b) in [(0.0, 1.0), (-1.0, 0.0), (1e-9, 1e-3), (0.2499, 0.2501), (1e5, 1e5 + 1.0)] {
+            let (mut relative, mut absolute, mut norm) = (0.0_f64, 0.0_f64, 0.0_f64);
+            for k in 0..=200_000 {
+                let t = a + (b - a) * f64::from(k) / 2e5;
+                let (s, c) = sin_cos_of_turn(t);
+                let (sine, cosine) = reference(t);
+                for (y, exact) in [(s, sine), (c, cosine)] {
+                    absolute = absolute.max((y - exact).abs());
+                    if exact != 0.0 {
+                        relative = relative.max((y / exact - 1.0).abs());
+                    }
+                }
+                norm = norm.max((s * s + c * c - 1.0).abs());
+            }
+            let worst = [relative, absolute, norm].map(|error| error / f64::EPSILON);
+            let allowed = [4.0, 2.0, 3.0]; // of which 2π t has one
+            let within = worst.iter().zip(allowed).all(|(error, allowed)| *error <= allowed);
+            assert!(within, "{worst:?} in [{a}, {b}]");
+        }
+    }
+
+    #[test]
+    fn small_turns_keep_their_digits() {
+        for k in 1..1000 {
+            let t = 0.77_f64.powi(k);
+            for t in [t, -t] {
+                let (s, c) = sin_cos_of_turn(t);
+                let (sine, cosine) = reference(t);
+                assert!((s / sine - 1.0).abs() <= 4.0 * f64::EPSILON, "{t}: {s} for {sine}");
+                assert!((c / cosine - 1.0).abs() <= 4.0 * f64::EPSILON, "{t}: {c}");
+            }
+        }
+        // Below the rounding of 1.
+        assert_eq!(sin_cos_of_turn(1e-300), (2e-300 * PI, 1.0));
+    }
+
+    #[test]
+    fn quarters_of_a_turn_are_exact() {
+        for turns in [0.0, 1.0, -1.0, 7.0, -1024.0, 1_048_575.0] {
+            for (t, expected) in [
+                (turns, (0.0, 1.0)),
+                (turns + 0.25, (1.0, 0.0)),
+                (turns + 0.5, (0.0, -1.0)),
+                (turns + 0.75, (-1.0, 0.0)),
+            ] {
+                assert_eq!(sin_cos_of_turn(t), expected, "{t}"); // -0 equals 0
+            }
+        }
+        let (s, c) = sin_cos_of_turn(0.125);
+        assert!((s - c).abs() <= f64::EPSILON && s > 0.0, "{s} {c}");
+        for t in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let (s, c) = sin_cos_of_turn(t);
+            assert!(s.is_nan() && c.is_nan(), "{t}: {s} {c}");
+        }
+    }
+
     #[test]
     fn quantiles_to_a_few_ulp() {
         use super::super::normal_tail::inverse_upper_tail;

@@ -3,8 +3,8 @@
 use crate::common::canonical_numbers;
 use crate::support::{assert_close, direction, horizontal, sphere_light};
 use mis::lighting::{
-    Bsdf, DVec3, Direction, Incident, Lobe, ModifiedPhong, ReflectedRadiance, Scene, SeenLight,
-    Surface,
+    Bsdf, DVec3, Direction, Incident, Light, Lobe, ModifiedPhong, Rectangle, ReflectedRadiance,
+    Scene, SeenLight, Surface,
 };
 use mis::points::Replay;
 use mis::{Estimator, MultiSample, OneSample, Technique};
@@ -116,4 +116,20 @@ fn emitted_radiance_is_that_of_an_unobstructed_light() {
     assert_eq!(s.incident.radiance(&through_the_ball), 0.0);
     assert_eq!(s.light().emitted(&direction(-1.0, 0.0, 1.0)), 0.0);
     assert_eq!(horizontal().mirror(), horizontal().normal());
+}
+
+#[test]
+fn the_power_of_a_light_is_its_radiance_times_its_area() {
+    assert_close(sphere_light(DVec3::Z, 0.5, 3.0).power(), 3.0 * std::f64::consts::PI, 1e-15);
+    let panel = Rectangle::new(DVec3::Z, 0.5 * DVec3::X, 2.0 * DVec3::Y).unwrap();
+    assert_eq!(Light::new(panel, [3.0, 1.0]).unwrap().power(), [24.0, 8.0]);
+    let front = Light::one_sided(panel, [3.0, 1.0]).unwrap();
+    assert_eq!(front.power(), [12.0, 4.0]);
+    // It is seen from the side of the normal only.
+    assert!(front.seen_from(DVec3::new(9.0, 0.0, 1.5)).is_ok());
+    for behind in [DVec3::ZERO, DVec3::new(9.0, 0.0, 0.5)] {
+        let error = front.seen_from(behind).unwrap_err();
+        assert_eq!((error.owner(), error.rule()), ("Light", "it must be on the side that emits"));
+    }
+    assert!(front.seen_from(DVec3::new(9.0, 0.0, 1.0)).is_err());
 }

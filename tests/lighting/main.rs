@@ -5,6 +5,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+#[allow(dead_code)] // every test binary uses its own part of it
+#[path = "../common/ensemble.rs"]
+mod ensemble;
+
 mod bsdfs;
 mod closed_forms;
 mod extremes;
@@ -12,6 +16,7 @@ mod ggx;
 mod interface;
 mod laws;
 mod occlusion;
-mod pixels;
+mod point_lights;
+mod render;
 mod support;
 mod veach;
