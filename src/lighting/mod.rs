@@ -66,6 +66,8 @@
 //! `cargo run --release --example veach` renders E. Veach's figure of four plates under four lights by
 //! all of them, and tells where each wins.
 //!
+#![doc = include_str!("veach.md")]
+//!
 //! # Limits
 //!
 //! Light is reflected once, on its way from a light to the eye. Surfaces are rectangles. Directions are
