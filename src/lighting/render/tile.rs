@@ -118,11 +118,15 @@ impl<'a, V: Spectrum> Worker<'a, V> {
         Memory { film, rays, buffers }: &mut Memory<'w, V>,
     ) -> Result<Vec<Pixel<V>>, RenderError> {
         let mut pixels = vec![Pixel::empty(); strip.pixels as usize];
-        // Some pixels at a time, or some rays of one.
-        let (wide, deep) = if self.renderer.combination == Combination::Optimal {
-            (1, strip.rays)
-        } else {
-            (usize::try_from(RAYS / strip.rays).unwrap_or(1).max(1), RAYS.min(strip.rays))
+        // Some pixels at a time, or some rays of one. Samples that select their techniques are added block by
+        // block: where a block ends must not depend on the pixels before.
+        let (wide, deep) = match self.renderer.combination {
+            Combination::Optimal => (1, strip.rays),
+            Combination::OneSample => (1, RAYS.min(strip.rays)),
+            _ => {
+                let wide = usize::try_from(RAYS / strip.rays).unwrap_or(1).max(1);
+                (wide, RAYS.min(strip.rays))
+            }
         };
         for (pixels, column) in pixels.chunks_mut(wide).zip((strip.column..).step_by(wide)) {
             let mut left = Strip { column, ..*strip };
