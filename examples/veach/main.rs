@@ -39,7 +39,8 @@ use scene::Rgb;
 use strategies::{REFERENCE, Strategy};
 
 fn main() -> ExitCode {
-    let options = match Options::of_command_line(std::env::args().skip(1)) {
+    let arguments = std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned());
+    let options = match Options::of_command_line(arguments) {
         Ok(Some(options)) => options,
         Ok(None) => {
             println!("{USAGE}");

@@ -56,8 +56,11 @@ impl<V: Spectrum> Pixel<V> {
         self.mean
     }
 
-    /// The standard error of each channel; `None` where it cannot be told: from a single ray, and where
-    /// surfaces were seen, but every sample was 0.
+    /// The standard error of each channel; `None` where it cannot be told: from a single ray, where
+    /// surfaces were seen, but every sample was 0, and where squares leave the range of `f64`.
+    ///
+    /// It is 0 where all rays see the same light, or nothing; an edge that none of them has met is not in
+    /// it.
     #[must_use]
     pub fn standard_error(&self) -> Option<V> {
         let n = self.rays as f64;
@@ -128,15 +131,15 @@ impl<V: Spectrum> Picture<V> {
     }
 
     /// The standard error of [`mean`](Picture::mean), to which pixels add nothing whose samples are all
-    /// 0; `None` where no error can be told, and of pixels with a single ray.
+    /// 0; `None` where no surface's error can be told, and of pixels with a single ray.
     #[must_use]
     pub fn standard_error_of_mean(&self) -> Option<V> {
-        let (mut sum, mut known) = (V::zero(), false);
+        let (mut sum, mut known) = (V::zero(), !self.pixels.iter().any(|pixel| pixel.sampled));
         for pixel in &self.pixels {
             match pixel.standard_error() {
                 Some(error) => {
                     sum = sum.plus(&error.scaled_product(&error, 1.0));
-                    known = true;
+                    known |= pixel.sampled;
                 }
                 None if pixel.rays > 1 && pixel.mean.total() == 0.0 => (),
                 None => return None,

@@ -226,7 +226,18 @@ impl<'a, V: Spectrum> Worker<'a, V> {
             Combination::Constant => {
                 multi()?.weighting(Constant::equal())?.inspect_with(f, &numbers, buffers, add)?
             }
-            Combination::Balance => multi()?.inspect_with(f, &numbers, buffers, add)?,
+            Combination::Optimal if n >= FEWEST => {
+                numbers.replicates = replicates(n);
+                let optimal = OptimalMis::new(&all)?.estimate_from(f, &numbers)?;
+                let estimated = estimated(n, optimal.estimate(), &rays.ends);
+                for pixel in pixels {
+                    *pixel = pixel.merge(&estimated);
+                }
+                return Ok(());
+            }
+            Combination::Balance | Combination::Optimal => {
+                multi()?.inspect_with(f, &numbers, buffers, add)?
+            }
             Combination::Power => {
                 multi()?.weighting(Power::squared())?.inspect_with(f, &numbers, buffers, add)?
             }
@@ -241,19 +252,13 @@ impl<'a, V: Spectrum> Worker<'a, V> {
                 (numbers.per_ray, numbers.selects) = (vec![of_a_ray], true);
                 OneSample::new(&selection, n * of_a_ray)?.inspect_with(f, &numbers, buffers, add)?
             }
-            Combination::Optimal => {
-                numbers.replicates = replicates(n);
-                let optimal = OptimalMis::new(&all)?.estimate_from(f, &numbers)?;
-                let estimated = estimated(n, optimal.estimate(), &rays.ends);
-                for pixel in pixels {
-                    *pixel = pixel.merge(&estimated);
-                }
-                return Ok(());
-            }
         };
         for ((end, sum), place) in rays.ends.iter().zip(&sums).zip(&rays.places) {
             let sampled = sum.radiance.scaled((of_a_ray as f64).recip());
-            pixels[*place].push(&sampled.plus(&end.exact()), sum.parts);
+            match end {
+                End::Emitted(radiance) => pixels[*place].push_emitted(radiance),
+                End::Surface { exact, .. } => pixels[*place].push(&sampled.plus(exact), sum.parts),
+            }
         }
         Ok(())
     }
@@ -281,8 +286,12 @@ fn estimated<V: Spectrum>(rays: u64, estimate: &Estimate<V>, ends: &[End<'_, V>]
     Pixel { rays, sampled, mean: estimate.value().plus(&exact.mean), squares, parts: [0.0; 2] }
 }
 
-/// The fewest groups of equal size that so many rays make, but at least eight: the error is told from
-/// their values.
+/// With fewer rays, there are no optimal weights to tell.
+const FEWEST: u64 = 8;
+
+/// How many groups of equal size the rays are divided into, from whose values the error is told: at least
+/// eight, and 32 where there are many rays, for which that costs next to nothing.
 fn replicates(rays: u64) -> u64 {
-    (8..=rays / 2).find(|groups| rays.is_multiple_of(*groups)).unwrap_or(rays)
+    let least = (rays / 8).clamp(8, 32);
+    (least..=rays / 2).find(|groups| rays.is_multiple_of(*groups)).unwrap_or(rays)
 }

@@ -37,7 +37,7 @@ fn wrong_settings_are_named() {
     assert_eq!(new().rays((1 << 32) + 1).unwrap_err().argument(), "rays");
     assert_eq!(
         message(new().samples(0, 0)),
-        "Renderer: `of_bsdf` is 0, but it must be at least 1 and at most 2^32"
+        "Renderer: `of_bsdf` is 0, but it must be at least 1 where there are none of the lights"
     );
     assert_eq!(new().samples((1 << 32) + 1, 0).unwrap_err().argument(), "of_lights");
     assert_eq!(new().samples(0, (1 << 32) + 1).unwrap_err().argument(), "of_bsdf");
