@@ -44,7 +44,7 @@ fn wrong_settings_are_named() {
     assert!(new().samples(0, 1).is_ok() && new().samples(1, 0).is_ok());
     assert_eq!(
         message(new().window(1..5, 0..4)),
-        "Renderer: `columns` is 1..5, but it must not be empty, and within the 4 of the film"
+        "Renderer: `columns` is 1..5, but it must not be empty, nor end beyond 4"
     );
     assert_eq!(new().window(0..4, 4..5).unwrap_err().argument(), "rows");
     assert_eq!(new().window(0..4, 2..2).unwrap_err().argument(), "rows");
