@@ -139,7 +139,7 @@ fn measure_one(
     options: &Options,
 ) -> Result<Vec<Measured>, Box<dyn Error>> {
     let render = |strategy: &Strategy, rays: u64, seed: u64| {
-        let renderer = strategy.renderer(scene, camera, rays)?.threads(1)?;
+        let renderer = strategy.renderer(scene, camera, rays, options.samples)?.threads(1)?;
         let renderer = renderer.window(cell.columns.clone(), cell.rows.clone())?;
         let start = Instant::now();
         let picture = renderer.render(seed)?;

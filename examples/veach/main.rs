@@ -85,8 +85,8 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
         shots.iter().map(|shot| Deviations::of(shot, &reference)).collect();
     let [width, height] = options.size;
     println!(
-        "{width} x {height} pixels, {} rays each, 10 samples a ray; the reference: {} rays, {seconds:.1} s",
-        options.rays, options.reference_rays
+        "{width} x {height} pixels, {} rays each, {} samples a ray; the reference: {} rays, {seconds:.1} s",
+        options.rays, options.samples, options.reference_rays
     );
     tables::picture(&shots, &errors, &deviations);
     tables::cells(&cells, &measured, &options.strategies);
@@ -148,7 +148,7 @@ impl Work<'_> {
         progress.name(strategy.title);
         let all = rays * self.pixels();
         let watch = |part: f64| progress.part(part, all);
-        let renderer = strategy.renderer(&self.scene, &self.camera, rays)?;
+        let renderer = strategy.renderer(&self.scene, &self.camera, rays, self.options.samples)?;
         let renderer = renderer.threads(self.options.threads)?.watch(&watch);
         let start = Instant::now();
         let picture = renderer.render(seed)?;

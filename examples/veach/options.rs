@@ -9,6 +9,7 @@ pub(crate) const USAGE: &str = "\
 options:
   --size WxH           pixels of a picture, 16 to 4096 each (default 360x240)
   --rays N             camera rays for each pixel, 4 to 65536 (default 16)
+  --samples N          samples for each ray, an even number from 2 to 1000 (default 10)
   --reference-rays N   those of the reference, 16 to 1048576 (default 128)
   --strategy NAME      light, bsdf, constant, balance, power, maximum, one-sample or optimal;
                        may be given several times (default: all)
@@ -22,6 +23,7 @@ options:
 pub(crate) struct Options {
     pub(crate) size: [u32; 2],
     pub(crate) rays: u64,
+    pub(crate) samples: u64,
     pub(crate) reference_rays: u64,
     pub(crate) strategies: Vec<&'static Strategy>,
     pub(crate) seed: u64,
@@ -37,6 +39,7 @@ impl Options {
         let mut options = Self {
             size: [360, 240],
             rays: 16,
+            samples: 10,
             reference_rays: 128,
             strategies: Vec::new(),
             seed: 1,
@@ -52,6 +55,7 @@ impl Options {
                 }
                 "--size" => options.size = size(&name, &value()?)?,
                 "--rays" => options.rays = whole(&name, &value()?, 4, 1 << 16)?,
+                "--samples" => options.samples = even(&name, &value()?)?,
                 "--reference-rays" => {
                     options.reference_rays = whole(&name, &value()?, 16, 1 << 20)?;
                 }
@@ -93,6 +97,11 @@ fn strategy(name: &str, text: &str) -> Result<&'static Strategy, String> {
         let names = STRATEGIES.map(|strategy| strategy.name).join(", ");
         format!("{name} is {text}, but must be one of {names}")
     })
+}
+
+fn even(name: &str, text: &str) -> Result<u64, String> {
+    let number = text.parse().ok().filter(|number| (2..=1000).contains(number) && number % 2 == 0);
+    number.ok_or_else(|| format!("{name} is {text}, but must be an even number from 2 to 1000"))
 }
 
 fn whole(name: &str, text: &str, least: u64, most: u64) -> Result<u64, String> {

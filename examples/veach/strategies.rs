@@ -5,29 +5,25 @@ use mis::lighting::{Camera, Combination, Pixel, Renderer, Scene};
 
 use crate::scene::Rgb;
 
-/// How many samples of the lights and of the BSDF a ray has together: one of each light, and as many of
-/// the BSDF.
-const EACH: u64 = 5;
-
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Strategy {
     /// On the command line and in the names of files.
     pub(crate) name: &'static str,
     pub(crate) title: &'static str,
     combination: Combination,
-    /// Of the lights and of the BSDF, for each ray.
-    samples: [u64; 2],
+    /// The halves of a ray's samples that are of the lights and of the BSDF.
+    halves: [u64; 2],
 }
 
 const fn combined(name: &'static str, combination: Combination) -> Strategy {
-    Strategy { name, title: name, combination, samples: [EACH; 2] }
+    Strategy { name, title: name, combination, halves: [1, 1] }
 }
 
 const BALANCE: Combination = Combination::Balance;
 
 pub(crate) const STRATEGIES: [Strategy; 8] = [
-    Strategy { name: "light", title: "light only", combination: BALANCE, samples: [2 * EACH, 0] },
-    Strategy { name: "bsdf", title: "BSDF only", combination: BALANCE, samples: [0, 2 * EACH] },
+    Strategy { name: "light", title: "light only", combination: BALANCE, halves: [2, 0] },
+    Strategy { name: "bsdf", title: "BSDF only", combination: BALANCE, halves: [0, 2] },
     combined("constant", Combination::Constant),
     combined("balance", BALANCE),
     combined("power", Combination::Power),
@@ -41,13 +37,15 @@ pub(crate) const REFERENCE: Strategy =
     Strategy { name: "reference", title: "reference", ..STRATEGIES[3] };
 
 impl Strategy {
+    /// With so many rays for each pixel, and samples, an even number, for each ray.
     pub(crate) fn renderer<'a>(
         &self,
         scene: &'a Scene<Rgb>,
         camera: &'a Camera,
         rays: u64,
+        samples: u64,
     ) -> Result<Renderer<'a, Rgb>, ArgumentError> {
-        let [of_lights, of_bsdf] = self.samples;
+        let [of_lights, of_bsdf] = self.halves.map(|halves| halves * (samples / 2));
         let renderer = Renderer::new(scene, camera).combination(self.combination).rays(rays)?;
         renderer.samples(of_lights, of_bsdf)
     }
@@ -59,7 +57,7 @@ impl Strategy {
     /// the reference. The second has the mean of the rest, and may consist of rare large values.
     pub(crate) fn sure(&self, reference: &Pixel<Rgb>) -> f64 {
         let light = reference.light_share().unwrap_or(0.5);
-        match (self.samples, self.combination) {
+        match (self.halves, self.combination) {
             ([_, 0], _) => light,
             ([0, _], _) => 1.0 - light,
             // Half of either.

@@ -148,8 +148,8 @@ pub(crate) fn assert_cells(
             "optimal has at most {ratio:.2} times the error of balance at equal samples ({z:.1} \
              standard errors), at {cost:.1} times its cost"
         );
-        if !(z < MOST) {
-            return Err(format!("{line}; it must not lose more than errors allow, {MOST}"));
+        if !(z < MOST || ratio * ratio < cost) {
+            return Err(format!("{line}; it must not lose more than it costs"));
         }
         lines.push(line);
     }
