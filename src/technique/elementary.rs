@@ -103,7 +103,7 @@ pub(super) fn tan_pi(v: f64) -> [f64; 2] {
 /// rounding.
 ///
 /// The nearest quarter turns are left out; of what remains, r, they are made of tan(π r).
-#[cfg(feature = "lighting")]
+#[cfg(any(test, feature = "lighting"))]
 #[inline(always)]
 pub(crate) fn sin_cos_of_turn(t: f64) -> (f64, f64) {
     let shifted = 4.0 * t + SHIFT;
