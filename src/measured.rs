@@ -20,18 +20,4 @@
 //! smooth integrand without peaks needs no importance sampling. The power heuristic is exact on gloss0,
 //! whose disk covers the lobe: one technique is the integrand.
 #![doc = include_str!("peers.md")]
-//!
-//! # The renderer
-//!
-//! `cargo bench --bench render` renders a floor of microfacets under a sphere and a rectangle, beside a
-//! loop that is written for that scene alone, on the same machine as the tables above:
-//!
-//! | one thread | by hand | [`Renderer`](crate::lighting::Renderer) | ratio |
-//! |---|--:|--:|--:|
-//! | one camera ray for each pixel, 16 samples of the lights and 16 of the BSDF | 28.5 million samples/s | 22.8 | 0.80 |
-//! | 16 rays, one sample of each for each ray | 16.2 | 5.9 | 0.37 |
-//!
-//! What a point sees is found out ray by ray, for any scene; by hand, it is known. Two threads are 1.97
-//! times as fast as one.
-//!
 #![doc = include_str!("scale.md")]

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use super::turn::sin_cos_of_turn;
 use crate::error::ArgumentError;
-use crate::technique::sin_cos_of_turn;
 
 /// A unit vector: a point of the lighting integral, whose measure is the solid angle.
 ///

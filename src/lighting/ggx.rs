@@ -8,8 +8,9 @@ use super::bsdf::Bsdf;
 use super::direction::{Direction, Frame};
 use super::spectrum::{Spectrum, check_channels};
 use super::surface::Surface;
+use super::turn::sin_cos_of_turn;
 use crate::error::ArgumentError;
-use crate::technique::{Technique, canonical, sin_cos_of_turn};
+use crate::technique::{Technique, canonical};
 
 /// The smallest roughness: the lobe is then as wide as a direction is exact, times some millions.
 const SMOOTHEST: f64 = 1e-9;

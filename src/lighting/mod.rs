@@ -68,6 +68,19 @@
 //!
 #![doc = include_str!("veach.md")]
 //!
+//! # Speed
+//!
+//! `cargo bench --bench render` renders a floor of microfacets under a sphere and a rectangle, beside a
+//! loop that is written for that scene alone; millions of samples a second on one thread of an AMD EPYC:
+//!
+//! | | by hand | [`Renderer`] | ratio |
+//! |---|--:|--:|--:|
+//! | one camera ray for each pixel, 16 samples of the lights and 16 of the BSDF | 28.5 | 22.8 | 0.80 |
+//! | 16 rays, one sample of each for each ray | 16.2 | 5.9 | 0.37 |
+//!
+//! What a point sees is found out ray by ray, for any scene; by hand, it is known. Two threads are 1.97
+//! times as fast as one.
+//!
 //! # Limits
 //!
 //! Light is reflected once, on its way from a light to the eye. Surfaces are rectangles. Directions are
@@ -97,6 +110,7 @@ mod shape;
 mod spectrum;
 mod sphere;
 mod surface;
+mod turn;
 
 pub use bsdf::{Bsdf, Lobe};
 pub use camera::Camera;

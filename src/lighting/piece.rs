@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use crate::technique::sin_cos_of_turn;
+use super::turn::sin_cos_of_turn;
 
 /// An interval on an axis, with its width as given: `high - low` has lost it to rounding where
 /// the interval is narrow and far out.

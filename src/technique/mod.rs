@@ -15,7 +15,7 @@ mod batch;
 mod cauchy;
 mod columns;
 mod compensated;
-mod elementary;
+pub(crate) mod elementary;
 mod exponential;
 mod fn_technique;
 mod invert;
@@ -38,8 +38,6 @@ mod uniform;
 
 pub use affine::Affine;
 pub use cauchy::Cauchy;
-#[cfg(feature = "lighting")]
-pub(crate) use elementary::sin_cos_of_turn;
 pub use exponential::Exponential;
 pub use fn_technique::FnTechnique;
 pub use linear::Linear;

@@ -9,7 +9,8 @@ use crate::lighting::direction::Direction;
 use crate::lighting::incident::Incident;
 use crate::lighting::spectrum::Spectrum;
 use crate::lighting::surface::Surface;
-use crate::technique::{Technique, canonical, sin_cos_of_turn};
+use crate::lighting::turn::sin_cos_of_turn;
+use crate::technique::{Technique, canonical};
 use crate::vectors::vectorised;
 
 /// A ray of the camera, by its number among those of a tile, and a direction of light at its end.
