@@ -1,6 +1,6 @@
 //! Standard errors are what they say.
 
-use super::{COMBINATIONS, Strategy, from_above, strategies};
+use super::{COMBINATIONS, Strategy, error_of, from_above, strategies};
 use crate::ensemble::{Spread, Z};
 use crate::support::sphere_light;
 use mis::lighting::{
@@ -36,15 +36,19 @@ fn ensemble(
 ) -> Ensemble {
     let renderer = strategy.renderer(scene, camera, rays);
     let pictures: Vec<_> = (0..seeds).map(|seed| renderer.render(seed).unwrap()).collect();
-    // Of 95 %; Student's t where eight groups of rays tell the error.
-    let quantile = if strategy.combination == Combination::Optimal { 2.365 } else { 1.960 };
+    // Of 95 %; Student's t where groups of rays tell the error: eight of 64, 40 of 1000.
+    let quantile = match (strategy.combination, rays) {
+        (Combination::Optimal, ..=64) => 2.365,
+        (Combination::Optimal, _) => 2.023,
+        _ => 1.960,
+    };
     let (mut ratio, mut error2, mut covered) = (0.0, 0.0, 0.0);
     for pixel in 0..4 {
         let of = |g: &dyn Fn(&mis::lighting::Pixel<f64>) -> f64| -> Vec<f64> {
             pictures.iter().map(|picture| g(&picture.pixels()[pixel])).collect()
         };
         let values = of(&|pixel| pixel.value());
-        let squares = of(&|pixel| pixel.standard_error().unwrap().powi(2));
+        let squares = of(&|pixel| error_of(pixel).powi(2));
         let (spread, told) = (Spread::of(&values), Spread::of(&squares));
         ratio += 0.25 * spread.variance / told.mean;
         // Of a variance, and of what it is divided by.
