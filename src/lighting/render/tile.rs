@@ -257,6 +257,10 @@ impl<'a, V: Spectrum> Worker<'a, V> {
             let sampled = sum.radiance.scaled((of_a_ray as f64).recip());
             match end {
                 End::Emitted(radiance) => pixels[*place].push_emitted(radiance),
+                // A pixel whose other rays have optimal weights has no shares.
+                End::Surface { exact, .. } if self.renderer.combination == Combination::Optimal => {
+                    pixels[*place].push(&sampled.plus(exact), [0.0; 2]);
+                }
                 End::Surface { exact, .. } => pixels[*place].push(&sampled.plus(exact), sum.parts),
             }
         }

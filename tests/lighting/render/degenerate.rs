@@ -185,3 +185,14 @@ fn surfaces_in_one_plane_do_not_shadow_each_other() {
         }
     }
 }
+
+#[test]
+fn optimal_weights_have_no_shares_however_few_the_rays() {
+    let (scene, camera) = (lit_floor(), from_above(2));
+    let combination = mis::lighting::Combination::Optimal;
+    let strategy = Strategy { combination, choice: LightChoice::Uniform, samples: [1, 1] };
+    for rays in [4, 16, 4099] {
+        let picture = strategy.renderer(&scene, &camera, rays).render(1).unwrap();
+        assert!(picture.pixels().iter().all(|pixel| pixel.light_share().is_none()), "{rays}");
+    }
+}
